@@ -1,0 +1,61 @@
+# make          the whole steering study and its report
+# make small    the same study, shrunk to about a minute
+# make real     leave-one-subject-out on real walks (needs WALKLAB_DATA)
+# make test     all tests          make lint   all checks of style and structure
+# make manual   config/README.md   make lock   requirements.lock
+# make clean    remove results and the environment
+
+PYTHON ?= python3
+BIN := .venv/bin
+SNAKEMAKE := $(BIN)/snakemake
+export WALKLAB_DATA ?= ../shared/data
+
+.PHONY: all small real own test lint manual lock clean
+.DEFAULT_GOAL := all
+
+all: .venv/ready
+	$(SNAKEMAKE)
+	$(SNAKEMAKE) --report results/steering/report.html
+
+small: .venv/ready
+	$(SNAKEMAKE) --configfile config/small.yaml
+	$(SNAKEMAKE) --configfile config/small.yaml --report results/small/report.html
+
+real: .venv/ready
+	$(SNAKEMAKE) --configfile config/cmu.yaml
+	$(SNAKEMAKE) --configfile config/cmu.yaml --report results/cmu/report.html
+
+own: .venv/ready
+	$(SNAKEMAKE) --configfile config/own.yaml
+	$(SNAKEMAKE) --configfile config/own.yaml --report results/own/report.html
+
+test: .venv/ready
+	$(BIN)/python -m pytest tests/unit -n 2 --dist loadfile
+	$(BIN)/python -m pytest tests/workflow
+
+lint: .venv/ready
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/snakefmt --check Snakefile workflow/rules
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/python workflow/lint.py
+	$(BIN)/python workflow/manual.py --check
+
+manual: .venv/ready
+	$(BIN)/python workflow/manual.py
+
+# Needs uv. --no-emit-index-url keeps addresses of package registries out of the file.
+lock:
+	uv pip compile --universal --generate-hashes --no-header --no-emit-index-url --python-version 3.11 \
+	    --extra dev pyproject.toml -o requirements.lock
+
+clean:
+	rm -rf results .snakemake .venv .mypy_cache .ruff_cache .pytest_cache .import_linter_cache
+
+.venv/ready: requirements.lock pyproject.toml
+	$(PYTHON) -c 'import sys; sys.exit("walklab needs Python 3.11 or newer") if sys.version_info < (3, 11) else None'
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	touch $@

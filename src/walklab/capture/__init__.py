@@ -1,0 +1,1 @@
+"""Recordings to walks: synthetic capture, importers, segmentation, centre of mass."""

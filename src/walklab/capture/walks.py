@@ -1,0 +1,131 @@
+"""Walks and their samples: the two tables every capture ends in and every study starts from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pandera.pandas as pa
+from numpy.typing import NDArray
+
+from walklab.errors import InputError
+from walklab.storage import read_table, write_table
+
+Array = NDArray[np.float64]
+
+ACCEPTED = ""
+
+_NUMBER = {"nullable": False, "coerce": True}
+
+WALKS = pa.DataFrameSchema(
+    {
+        "walk": pa.Column(str, unique=True),  # e.g. training/P03/straight_2.0/0004
+        "participant": pa.Column(str),
+        "scene": pa.Column(str),  # name of a scene file, or "open" for none
+        "configuration": pa.Column(str),  # e.g. straight_2.0, turn_90_3.0, rack_1-car
+        "start_s": pa.Column(float, pa.Check.ge(0), **_NUMBER),  # within the recording
+        "duration_s": pa.Column(float, pa.Check.ge(0), **_NUMBER),
+        "length_m": pa.Column(float, pa.Check.in_range(0, 1000), **_NUMBER),  # of the captured, smoothed path
+        "curvature_1_m": pa.Column(float, pa.Check.ge(0), **_NUMBER),  # of the captured, smoothed path
+        "height_m": pa.Column(float, pa.Check.in_range(0.5, 2.5), **_NUMBER),
+        "start_x_m": pa.Column(float, **_NUMBER),
+        "start_y_m": pa.Column(float, **_NUMBER),
+        "end_x_m": pa.Column(float, **_NUMBER),
+        "end_y_m": pa.Column(float, **_NUMBER),
+        "start_speed_m_s": pa.Column(float, pa.Check.in_range(0, 12), **_NUMBER),  # 0 for a standing start
+        "end_speed_m_s": pa.Column(float, pa.Check.in_range(0, 12), **_NUMBER),
+        "rejection": pa.Column(str),  # empty for an accepted walk, else the reason
+    },
+    strict=True,
+    ordered=True,
+)
+
+SAMPLES = pa.DataFrameSchema(
+    {
+        "walk": pa.Column(str),
+        "time_s": pa.Column(float, pa.Check.ge(0), **_NUMBER),  # from the start of the walk
+        "x_m": pa.Column(float, pa.Check.in_range(-1000, 1000), **_NUMBER),
+        "y_m": pa.Column(float, pa.Check.in_range(-1000, 1000), **_NUMBER),
+    },
+    strict=True,
+    ordered=True,
+)
+
+
+@dataclass(frozen=True)
+class Walk:
+    """One accepted walk: a row of the walks table and its samples.
+
+    Attributes
+    ----------
+    row : the row of the walks table
+    time_s : (n,) array from 0
+    position_m : (n, 2) array, smoothed
+    """
+
+    row: pd.Series
+    time_s: Array
+    position_m: Array
+
+
+def check(frame: pd.DataFrame, schema: pa.DataFrameSchema, source: str | Path) -> pd.DataFrame:
+    """Hold a table to its schema.
+
+    Raises
+    ------
+    InputError
+        One line with the file, the column, the first offending row and its value.
+    """
+    try:
+        return schema.validate(frame)
+    except pa.errors.SchemaError as error:
+        raise InputError(f"{source}: {_first_failure(error)}") from error
+
+
+def _first_failure(error: pa.errors.SchemaError) -> str:
+    cases = error.failure_cases
+    rule = error.check if isinstance(error.check, str) else getattr(error.check, "error", None) or str(error.check)
+    column = getattr(error.schema, "name", None)
+    if isinstance(cases, pd.DataFrame) and len(cases) and "index" in cases and pd.notna(cases["index"].iloc[0]):
+        case = cases.iloc[0]
+        return f"column {column}, row {case['index']}: value {case['failure_case']!r} fails {rule}; correct it or leave the row out"
+    detail = cases["failure_case"].iloc[0] if isinstance(cases, pd.DataFrame) and len(cases) else cases
+    return f"column {column or detail}: {rule} ({detail}); correct the table's columns"
+
+
+def write_walks(walks: pd.DataFrame, samples: pd.DataFrame, walks_path: str | Path, samples_path: str | Path) -> None:
+    """Check and write both tables."""
+    write_table(check(walks, WALKS, walks_path), walks_path)
+    write_table(check(samples, SAMPLES, samples_path), samples_path)
+
+
+def read_walk_table(path: str | Path, accepted_only: bool = True) -> pd.DataFrame:
+    """The walks table, checked; accepted walks only unless asked otherwise."""
+    walks = check(read_table(path), WALKS, path)
+    return walks[walks["rejection"] == ACCEPTED].reset_index(drop=True) if accepted_only else walks
+
+
+def read_walks(walks_path: str | Path, samples_path: str | Path) -> list[Walk]:
+    """All accepted walks with their samples, in the order of the walks table.
+
+    Raises
+    ------
+    InputError
+        If a table breaks its schema, a walk has no samples, or its times do not ascend.
+    """
+    walks = read_walk_table(walks_path)
+    samples = check(read_table(samples_path), SAMPLES, samples_path)
+    groups = {name: group for name, group in samples.groupby("walk", sort=False)}
+    result = []
+    for _, row in walks.iterrows():
+        group = groups.get(row["walk"])
+        if group is None or len(group) < 2:
+            raise InputError(f"{samples_path}: walk {row['walk']} has fewer than two samples; extract the walks again")
+        time_s = group["time_s"].to_numpy()
+        if np.any(np.diff(time_s) <= 0):
+            at = int(np.flatnonzero(np.diff(time_s) <= 0)[0]) + 1
+            raise InputError(f"{samples_path}: column time_s, walk {row['walk']}, sample {at}: times must ascend; sort the samples")
+        result.append(Walk(row, time_s, group[["x_m", "y_m"]].to_numpy()))
+    return result

@@ -1,0 +1,123 @@
+"""A digest of everything a script computes with: code is an input of its results.
+
+Snakemake reruns a job when a parameter changes. With this digest as a parameter, an
+edit of any module that a script reaches reruns it; an edit of a comment, a docstring
+or a module it does not reach does not.
+"""
+
+from __future__ import annotations
+
+import ast
+import hashlib
+import re
+from functools import lru_cache
+from importlib.metadata import packages_distributions, version
+from pathlib import Path
+
+import grimp
+
+PACKAGE = "walklab"
+
+
+def digest(script: str | Path, folder: str | Path) -> str:
+    """Hash of a script, the walklab modules it imports transitively and the versions of what those import.
+
+    Parameters
+    ----------
+    script : path of a Python script
+    folder : the ``src/walklab`` folder
+
+    Returns
+    -------
+    16 hexadecimal digits
+    """
+    script, folder = Path(script), Path(folder)
+    local = _local_helpers(script)
+    tree = ast.parse(script.read_text())
+    names = _imported(tree) | {name for path in local for name in _imported(ast.parse(path.read_text()))}
+    graph = _graph(str(folder))
+    modules = _reachable(graph, {name for name in names if name.split(".")[0] == PACKAGE})
+    externals = {name.split(".")[0] for name in names} | {
+        found.split(".")[0] for module in modules for found in graph.find_modules_directly_imported_by(module)
+    }
+    parts = [_normalised(path) for path in (script, *local)]
+    parts += [f"{module}:{_normalised(_file(module, folder))}" for module in sorted(modules)]
+    parts += [f"{name}=={found}" for name, found in sorted(_versions(externals).items())]
+    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
+
+
+@lru_cache(maxsize=1)
+def _graph(folder: str) -> grimp.ImportGraph:
+    return grimp.build_graph(PACKAGE, include_external_packages=True, cache_dir=None)
+
+
+def _local_helpers(script: Path) -> list[Path]:
+    """Modules beside the script that it imports (the adapter)."""
+    names = _imported(ast.parse(script.read_text()))
+    return sorted(path for name in names if (path := script.parent / f"{name}.py").is_file() and path != script)
+
+
+def _imported(tree: ast.AST) -> set[str]:
+    found: set[str] = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            found |= {alias.name for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
+            # ``from walklab.planning import registry`` may name a module or an attribute.
+            found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
+    return found
+
+
+def _reachable(graph: grimp.ImportGraph, names: set[str]) -> set[str]:
+    found = {name for name in names if name in graph.modules}
+    for name in tuple(found):
+        found |= graph.find_upstream_modules(name)
+    found = {name for name in found if name.split(".")[0] == PACKAGE}
+    # Importing a module runs the __init__ of every package above it, and what that imports.
+    above = {".".join(name.split(".")[:depth]) for name in found for depth in range(1, name.count(".") + 1)}
+    missing = (above & graph.modules) - found
+    return found if not missing else _reachable(graph, found | missing)
+
+
+def _file(module: str, folder: Path) -> Path:
+    base = folder.joinpath(*module.split(".")[1:])
+    return base / "__init__.py" if base.is_dir() else base.with_suffix(".py")
+
+
+def _normalised(path: Path) -> str:
+    """The syntax tree of a file without comments and docstrings."""
+    return _without_comments(path.read_text())
+
+
+@lru_cache(maxsize=1024)
+def _without_comments(source: str) -> str:
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        body = getattr(node, "body", None)
+        if (
+            isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
+            and body
+            and _is_docstring(body[0])
+        ):
+            node.body = body[1:]
+    return ast.dump(tree)
+
+
+def _is_docstring(node: ast.stmt) -> bool:
+    return isinstance(node, ast.Expr) and isinstance(node.value, ast.Constant) and isinstance(node.value.value, str)
+
+
+@lru_cache(maxsize=1)
+def _distributions() -> dict[str, list[str]]:
+    return dict(packages_distributions())
+
+
+def _versions(names: set[str]) -> dict[str, str]:
+    """Versions of the distributions behind third-party imports; the standard library has none."""
+    known = _distributions()
+    return {
+        re.sub(r"[-_.]+", "-", package).lower(): version(package)
+        for name in names
+        if name != PACKAGE
+        for package in known.get(name, [])
+    }

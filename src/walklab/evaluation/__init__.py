@@ -1,0 +1,1 @@
+"""Trials, statistics, analyses and the verdict on each published claim."""

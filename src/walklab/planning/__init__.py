@@ -1,0 +1,1 @@
+"""Planners: Lazy Theta*, path following, and the protocol any other planner follows."""

@@ -1,0 +1,1 @@
+"""Suitability maps, the dependency blending space and the motion models learned from it."""

@@ -1,0 +1,77 @@
+"""The closed schema: every mistake ends in one message that names the key."""
+
+from pathlib import Path
+
+import pytest
+import yaml
+
+from walklab.configuration import complete, load_schema, manual
+from walklab.errors import InputError
+
+ROOT = Path(__file__).parents[2]
+SCHEMA = load_schema(ROOT / "workflow/schemas/config.schema.yaml")
+
+
+def paper() -> dict:
+    return yaml.safe_load((ROOT / "config/config.yaml").read_text())
+
+
+def test_the_papers_configuration_is_complete_and_has_the_papers_space():
+    config = complete(paper(), SCHEMA)
+    assert config["model"]["k"] == 100
+    assert [axis["count"] for axis in config["space"]] == [10, 10, 10]
+
+
+def test_defaults_are_filled_without_touching_the_given_configuration():
+    given = paper()
+    completed = complete(given, SCHEMA)
+    assert "model" not in given
+    assert completed["planner"]["step_s"] == pytest.approx(1 / 60, abs=1e-15)
+
+
+def without(config: dict, key: str) -> dict:
+    del config[key]
+    return config
+
+
+def with_value(config: dict, path: str, value: object) -> dict:
+    *parents, last = path.split(".")
+    node = config
+    for name in parents:
+        node = node.setdefault(name, {})
+    node[last] = value
+    return config
+
+
+@pytest.mark.parametrize(
+    ("path", "value", "expected"),
+    [
+        ("modell", {}, "modell: unknown; did you mean 'model'"),
+        ("model.exponnent", 2, "model.exponnent: unknown; did you mean 'exponent'"),
+        ("model.k", "many", "model.k: 'many' is not of type 'integer'"),
+        ("model.k", 0, "model.k: 0 is less than the minimum"),
+        ("body.radius_m", -0.2, "body.radius_m.*unit: m"),
+        ("dependencies.names", ["length", "mood"], r"dependencies.names.1.*'mood' is not one of"),
+        ("run", "My Run", "run: 'My Run' does not match"),
+        ("record_training.turning_angles_deg", [30], "record_training.turning_angles_deg.0"),
+        ("participants.training.height_m", {"mean": 1.7}, "participants.training.height_m: 'sd' is a required property"),
+        ("space", [{"name": "v", "unit": "m/s"}], "space.0"),
+        ("planner.step_s", 0, "planner.step_s"),
+    ],
+)
+def test_a_mistake_is_named_by_its_path_in_one_line(path, value, expected):
+    with pytest.raises(InputError, match=expected) as caught:
+        complete(with_value(paper(), path, value), SCHEMA)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_missing_section_is_named():
+    with pytest.raises(InputError, match="'space' is a required property"):
+        complete(without(paper(), "space"), SCHEMA)
+
+
+def test_the_manual_lists_every_leaf_with_its_unit():
+    text = manual(SCHEMA)
+    assert "| `radius_m` | number | m | `0.25` |" in text
+    assert "| `training.height_m.mean` |" in text
+    assert text == (ROOT / "config/README.md").read_text()

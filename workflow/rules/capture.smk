@@ -1,0 +1,163 @@
+"""Recordings and the walks in them."""
+
+SYNTHETIC = CONFIG["source"]["kind"] == "synthetic"
+TURNS = [f"turn_{angle}" for angle in CONFIG["record_training"]["turning_angles_deg"]]
+WALKS = "extract_training" if SYNTHETIC else "import_walks"
+
+
+def source_files(wildcards):
+    """The files of real or own walks."""
+    path = Path(os.path.expandvars(CONFIG["source"]["path"] or ""))
+    if not path.exists():
+        raise WorkflowError(
+            f"config key source.path: {path} does not exist; give a file or folder, or set WALKLAB_DATA"
+        )
+    return sorted(map(str, path.rglob("*.a[sm][fc]"))) if path.is_dir() else str(path)
+
+
+rule draw_participants:
+    params:
+        code=code("draw_participants.py"),
+        **section("seed", "participants"),
+    output:
+        participants=stage("draw_participants", "participants.parquet"),
+    log:
+        stage("draw_participants", "log.txt"),
+    benchmark:
+        stage("draw_participants", "benchmark.tsv")
+    script:
+        "../scripts/draw_participants.py"
+
+
+rule record_training:
+    input:
+        participants=rules.draw_participants.output.participants,
+        plans=expand("config/scenes/{turn}.yaml", turn=TURNS),
+    params:
+        code=code("record_training.py"),
+        **section("seed", "record_training", "generator", "shards"),
+    output:
+        recording=stage("record_training", "recording.parquet", "shard"),
+        truth=stage("record_training", "truth.parquet", "shard"),
+    log:
+        stage("record_training", "log.txt", "shard"),
+    benchmark:
+        stage("record_training", "benchmark.tsv", "shard")
+    script:
+        "../scripts/record_training.py"
+
+
+rule record_scenario:
+    input:
+        participants=rules.draw_participants.output.participants,
+        plan=lambda wildcards: CONFIG["scenarios"][wildcards.scenario],
+    params:
+        code=code("record_scenario.py"),
+        **section("seed", "record_scenario", "generator"),
+    output:
+        poses=stage("record_scenario", "poses.parquet", "scenario"),
+        truth=stage("record_scenario", "truth.parquet", "scenario"),
+    log:
+        stage("record_scenario", "log.txt", "scenario"),
+    benchmark:
+        stage("record_scenario", "benchmark.tsv", "scenario")
+    script:
+        "../scripts/record_scenario.py"
+
+
+rule record_long_distance:
+    input:
+        participants=rules.draw_participants.output.participants,
+    params:
+        code=code("record_long_distance.py"),
+        **section("seed", "record_long_distance", "generator"),
+    output:
+        times=stage("record_long_distance", "times.parquet"),
+    log:
+        stage("record_long_distance", "log.txt"),
+    benchmark:
+        stage("record_long_distance", "benchmark.tsv")
+    script:
+        "../scripts/record_long_distance.py"
+
+
+rule extract_training:
+    input:
+        participants=rules.draw_participants.output.participants,
+        recording=rules.record_training.output.recording,
+        truth=rules.record_training.output.truth,
+        plans=rules.record_training.input.plans,
+    params:
+        code=code("extract_training.py"),
+        **section("extract_walks", "standing", "dependencies"),
+    output:
+        walks=stage("extract_training", "walks.parquet", "shard"),
+        samples=stage("extract_training", "samples.parquet", "shard"),
+        boundaries=stage("extract_training", "boundaries.parquet", "shard"),
+    log:
+        stage("extract_training", "log.txt", "shard"),
+    benchmark:
+        stage("extract_training", "benchmark.tsv", "shard")
+    script:
+        "../scripts/extract_training.py"
+
+
+rule extract_scenario:
+    input:
+        participants=rules.draw_participants.output.participants,
+        poses=rules.record_scenario.output.poses,
+        truth=rules.record_scenario.output.truth,
+        plan=rules.record_scenario.input.plan,
+    params:
+        code=code("extract_scenario.py"),
+        **section("record_scenario", "extract_walks", "standing", "dependencies"),
+    output:
+        walks=stage("extract_scenario", "walks.parquet", "scenario"),
+        samples=stage("extract_scenario", "samples.parquet", "scenario"),
+        boundaries=stage("extract_scenario", "boundaries.parquet", "scenario"),
+    log:
+        stage("extract_scenario", "log.txt", "scenario"),
+    benchmark:
+        stage("extract_scenario", "benchmark.tsv", "scenario")
+    script:
+        "../scripts/extract_scenario.py"
+
+
+rule import_walks:
+    input:
+        source_files,
+    params:
+        code=code("import_walks.py"),
+        **section("source", "standing", "dependencies", "extract_walks"),
+    output:
+        walks=expand(stage("import_walks", "walks.parquet", "shard"), shard=SHARDS, allow_missing=True),
+        samples=expand(stage("import_walks", "samples.parquet", "shard"), shard=SHARDS, allow_missing=True),
+    log:
+        stage("import_walks", "log.txt"),
+    benchmark:
+        stage("import_walks", "benchmark.tsv")
+    script:
+        "../scripts/import_walks.py"
+
+
+rule summarise_capture:
+    input:
+        walks=[
+            *expand(rules.extract_training.output.walks, shard=SHARDS, allow_missing=True),
+            *expand(rules.extract_scenario.output.walks, scenario=SCENARIOS, allow_missing=True),
+        ],
+        boundaries=[
+            *expand(rules.extract_training.output.boundaries, shard=SHARDS, allow_missing=True),
+            *expand(rules.extract_scenario.output.boundaries, scenario=SCENARIOS, allow_missing=True),
+        ],
+    params:
+        code=code("summarise_capture.py"),
+    output:
+        summary=stage("summarise_capture", "capture.csv"),
+        rejections=stage("summarise_capture", "rejections.csv"),
+    log:
+        stage("summarise_capture", "log.txt"),
+    benchmark:
+        stage("summarise_capture", "benchmark.tsv")
+    script:
+        "../scripts/summarise_capture.py"

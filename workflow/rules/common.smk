@@ -1,0 +1,61 @@
+"""What every rule shares: configuration, wildcards, code digests, names of files."""
+
+import os
+import sys
+from pathlib import Path
+
+from snakemake.exceptions import WorkflowError
+
+from walklab import code_digest
+from walklab.configuration import complete, load_schema
+from walklab.errors import InputError
+
+# One BLAS thread a job: results must not depend on how a library splits its sums.
+for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
+    os.environ[_name] = "1"
+os.environ.setdefault("WALKLAB_DATA", "../shared/data")
+os.environ["MPLBACKEND"] = "agg"
+
+ROOT = Path(workflow.basedir)
+
+
+def completed(config):
+    """The configuration with all defaults, or one message."""
+    try:
+        return complete(config, load_schema(ROOT / "workflow/schemas/config.schema.yaml"))
+    except InputError as error:
+        raise WorkflowError(f"{error}") from None
+
+
+CONFIG = completed(config)
+RUN = f"results/{CONFIG['run']}"
+REPLICATES = range(CONFIG["replicates"])
+SHARDS = range(CONFIG["shards"])
+SCENARIOS = list(CONFIG["scenarios"])
+
+
+wildcard_constraints:
+    replicate=r"\d+",
+    shard=r"\d+",
+    scenario="|".join(SCENARIOS),
+
+
+def code(script):
+    """Digest of a rule's script and all it computes with; see walklab.code_digest."""
+    return code_digest.digest(ROOT / "workflow/scripts" / script, ROOT / "src/walklab")
+
+
+def section(*names):
+    """The named sections of the configuration, as the parameters of a rule."""
+    return {name: CONFIG[name] for name in names}
+
+
+def stage(name, file, *wildcards):
+    """Path of a stage's product: results/<run>/<replicate>/<stage>/[wildcards/]<file>."""
+    parts = "".join(f"{{{wildcard}}}/" for wildcard in wildcards)
+    return f"{RUN}/{{replicate}}/{name}/{parts}{file}"
+
+
+def first(path):
+    """A product of replicate 0, which figures and tables show."""
+    return path.replace("{replicate}", "0")

@@ -1,0 +1,112 @@
+"""Routes, suitability maps, blending space and motion models."""
+
+SHARED = ("planner", "body", "dependencies", "space")
+
+
+rule plan_training:
+    input:
+        walks=stage(WALKS, "walks.parquet", "shard"),
+        samples=stage(WALKS, "samples.parquet", "shard"),
+        plans=expand("config/scenes/{turn}.yaml", turn=TURNS),
+    params:
+        code=code("plan_walks.py"),
+        **section(*SHARED),
+    output:
+        routes=stage("plan_training", "routes.parquet", "shard"),
+        vectors=stage("plan_training", "vectors.parquet", "shard"),
+    log:
+        stage("plan_training", "log.txt", "shard"),
+    benchmark:
+        stage("plan_training", "benchmark.tsv", "shard")
+    script:
+        "../scripts/plan_walks.py"
+
+
+rule plan_scenario:
+    input:
+        walks=stage("extract_scenario", "walks.parquet", "scenario"),
+        samples=stage("extract_scenario", "samples.parquet", "scenario"),
+        plans=lambda wildcards: [CONFIG["scenarios"][wildcards.scenario]],
+    params:
+        code=code("plan_walks.py"),
+        **section(*SHARED),
+    output:
+        routes=stage("plan_scenario", "routes.parquet", "scenario"),
+        vectors=stage("plan_scenario", "vectors.parquet", "scenario"),
+    log:
+        stage("plan_scenario", "log.txt", "scenario"),
+    benchmark:
+        stage("plan_scenario", "benchmark.tsv", "scenario")
+    script:
+        "../scripts/plan_walks.py"
+
+
+rule score_maps:
+    input:
+        walks=stage(WALKS, "walks.parquet", "shard"),
+        samples=stage(WALKS, "samples.parquet", "shard"),
+        routes=rules.plan_training.output.routes,
+        vectors=rules.plan_training.output.vectors,
+    params:
+        code=code("score_maps.py"),
+        **section("planner", "space", "metric", "dependencies"),
+    output:
+        maps=stage("score_maps", "maps.nc", "shard"),
+    log:
+        stage("score_maps", "log.txt", "shard"),
+    benchmark:
+        stage("score_maps", "benchmark.tsv", "shard")
+    script:
+        "../scripts/score_maps.py"
+
+
+rule build_space:
+    input:
+        maps=expand(rules.score_maps.output.maps, shard=SHARDS, allow_missing=True),
+    params:
+        code=code("build_space.py"),
+        **section("seed", "space", "dependencies", "blending_space"),
+    output:
+        space=stage("build_space", "blending_space.nc"),
+        density=stage("build_space", "density.csv"),
+    log:
+        stage("build_space", "log.txt"),
+    benchmark:
+        stage("build_space", "benchmark.tsv")
+    script:
+        "../scripts/build_space.py"
+
+
+rule fit_static:
+    input:
+        walks=expand(stage(WALKS, "walks.parquet", "shard"), shard=SHARDS, allow_missing=True),
+        samples=expand(stage(WALKS, "samples.parquet", "shard"), shard=SHARDS, allow_missing=True),
+        routes=expand(rules.plan_training.output.routes, shard=SHARDS, allow_missing=True),
+    params:
+        code=code("fit_static.py"),
+        **section("seed", "planner", "space", "metric", "fit_static"),
+    output:
+        static=stage("fit_static", "static.json"),
+    log:
+        stage("fit_static", "log.txt"),
+    benchmark:
+        stage("fit_static", "benchmark.tsv")
+    threads: workflow.cores
+    script:
+        "../scripts/fit_static.py"
+
+
+rule train_model:
+    input:
+        space=rules.build_space.output.space,
+    params:
+        code=code("train_model.py"),
+        **section("space", "model"),
+    output:
+        model=stage("train_model", "model.safetensors"),
+    log:
+        stage("train_model", "log.txt"),
+    benchmark:
+        stage("train_model", "benchmark.tsv")
+    script:
+        "../scripts/train_model.py"
