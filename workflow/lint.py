@@ -21,5 +21,5 @@ if __name__ == "__main__":
     report = subprocess.run([sys.executable, "-m", "snakemake", "--lint"], capture_output=True, text=True, check=False)
     text = report.stdout + report.stderr
     bad = findings(text)
-    if bad or "Lints for" not in text and report.returncode:
+    if bad or ("Lints for" not in text and report.returncode):
         sys.exit("snakemake --lint:\n" + ("\n".join(bad) or text))

@@ -46,15 +46,31 @@ def digest(script: str | Path, folder: str | Path) -> str:
     return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:16]
 
 
+def source_digest(folder: str | Path) -> str:
+    """Hash of every module below a folder, to the letter.
+
+    Compiled kernels are cached under it: numba notices an edit of the file that a kernel
+    stands in, but not of a file that the kernel calls into, and would go on with old code.
+    """
+    sources = sorted(Path(folder).rglob("*.py"))
+    return hashlib.sha256(b"\0".join(path.read_bytes() for path in sources)).hexdigest()[:16]
+
+
 @lru_cache(maxsize=1)
 def _graph(folder: str) -> grimp.ImportGraph:
     return grimp.build_graph(PACKAGE, include_external_packages=True, cache_dir=None)
 
 
 def _local_helpers(script: Path) -> list[Path]:
-    """Modules beside the script that it imports (the adapter)."""
-    names = _imported(ast.parse(script.read_text()))
-    return sorted(path for name in names if (path := script.parent / f"{name}.py").is_file() and path != script)
+    """Modules beside the script that it imports, directly or through each other."""
+    found: set[Path] = set()
+    open_paths = [script]
+    while open_paths:
+        names = _imported(ast.parse(open_paths.pop().read_text()))
+        new = {path for name in names if (path := script.parent / f"{name}.py").is_file()} - found - {script}
+        found |= new
+        open_paths += sorted(new)
+    return sorted(found)
 
 
 def _imported(tree: ast.AST) -> set[str]:

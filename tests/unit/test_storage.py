@@ -11,9 +11,14 @@ from walklab.errors import InputError
 def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
     target = tmp_path / "table.txt"
     target.write_text("old")
-    with pytest.raises(RuntimeError, match="full"), storage.atomic_path(target) as temporary:
-        temporary.write_text("half of the new")
-        raise RuntimeError("disk full")
+
+    def fill_the_disk() -> None:
+        with storage.atomic_path(target) as temporary:
+            temporary.write_text("half of the new")
+            raise RuntimeError("disk full")
+
+    with pytest.raises(RuntimeError, match="full"):
+        fill_the_disk()
     assert target.read_text() == "old"
     assert [path.name for path in tmp_path.iterdir()] == ["table.txt"]
 

@@ -89,7 +89,7 @@ rule extract_training:
         plans=rules.record_training.input.plans,
     params:
         code=code("extract_training.py"),
-        **section("extract_walks", "standing", "dependencies"),
+        **section("record_training", "extract_walks", "standing", "dependencies"),
     output:
         walks=stage("extract_training", "walks.parquet", "shard"),
         samples=stage("extract_training", "samples.parquet", "shard"),
@@ -128,7 +128,7 @@ rule import_walks:
         source_files,
     params:
         code=code("import_walks.py"),
-        **section("source", "standing", "dependencies", "extract_walks"),
+        **section("run", "source", "standing", "dependencies", "extract_walks"),
     output:
         walks=expand(stage("import_walks", "walks.parquet", "shard"), shard=SHARDS, allow_missing=True),
         samples=expand(stage("import_walks", "samples.parquet", "shard"), shard=SHARDS, allow_missing=True),

@@ -17,6 +17,7 @@ os.environ.setdefault("WALKLAB_DATA", "../shared/data")
 os.environ["MPLBACKEND"] = "agg"
 
 ROOT = Path(workflow.basedir)
+os.environ["NUMBA_CACHE_DIR"] = str(ROOT / ".snakemake/numba" / code_digest.source_digest(ROOT / "src/walklab"))
 
 
 def completed(config):
@@ -59,3 +60,28 @@ def stage(name, file, *wildcards):
 def first(path):
     """A product of replicate 0, which figures and tables show."""
     return path.replace("{replicate}", "0")
+
+
+def assumption_sources():
+    """Every file that may state an assumption."""
+    folders = ("src/walklab", "workflow", "config")
+    return sorted(
+        str(path.relative_to(ROOT))
+        for folder in folders
+        for path in (ROOT / folder).rglob("*")
+        if path.suffix in {".py", ".smk", ".yaml"}
+    )
+
+
+def announce():
+    """One paragraph before the run: what it computes, about how long and how much disk it takes."""
+    from walklab.estimate import estimate
+    from walklab.geometry.plans import load_plan
+
+    walks_per_set = sum(len(load_plan(ROOT / path).walks) for path in CONFIG["scenarios"].values())
+    size = estimate(CONFIG, walks_per_set, workflow.cores)
+    return (
+        f"walklab {CONFIG['run']}: {size.training_walks} training walks x {size.cells} parameter vectors, "
+        f"a blending space of {size.maps} maps, {size.scenario_walks} evaluated walks; "
+        f"about {size.wall_minutes:.0f} min on {workflow.cores} cores and {size.disk_gb:.1f} GB in {RUN}/."
+    )

@@ -82,11 +82,13 @@ rule fit_static:
         walks=expand(stage(WALKS, "walks.parquet", "shard"), shard=SHARDS, allow_missing=True),
         samples=expand(stage(WALKS, "samples.parquet", "shard"), shard=SHARDS, allow_missing=True),
         routes=expand(rules.plan_training.output.routes, shard=SHARDS, allow_missing=True),
+        maps=expand(rules.score_maps.output.maps, shard=SHARDS, allow_missing=True),
     params:
         code=code("fit_static.py"),
-        **section("seed", "planner", "space", "metric", "fit_static"),
+        **section("seed", "planner", "space", "metric", "fit_static", "statistics"),
     output:
         static=stage("fit_static", "static.json"),
+        optimum=stage("fit_static", "optimum.csv"),
     log:
         stage("fit_static", "log.txt"),
     benchmark:
@@ -101,7 +103,7 @@ rule train_model:
         space=rules.build_space.output.space,
     params:
         code=code("train_model.py"),
-        **section("space", "model"),
+        **section("run", "seed", "model"),
     output:
         model=stage("train_model", "model.safetensors"),
     log:

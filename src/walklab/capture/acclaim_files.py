@@ -179,7 +179,7 @@ def _read_bone(lines: _Lines, draft: _Draft) -> dict:
             bone["channels"] = _channels(lines, rest)
         elif key == "begin" or key.startswith(":"):
             lines.fail("the bone before it has no 'end'; add it")
-    lines.fail("the file ends inside a bone; it seems to be cut off")
+    return lines.fail("the file ends inside a bone; it seems to be cut off")
 
 
 def _direction(lines: _Lines, values: tuple[float, ...]) -> tuple[float, ...]:
@@ -192,7 +192,9 @@ def _direction(lines: _Lines, values: tuple[float, ...]) -> tuple[float, ...]:
 def _channels(lines: _Lines, words: list[str]) -> str:
     channels = [word.lower() for word in words]
     if not channels or len(set(channels)) != len(channels) or not set(channels) <= {"rx", "ry", "rz"}:
-        lines.fail(f"dof must list rotations rx ry rz once each at most, not {' '.join(words)!r}; sliding joints are not supported")
+        lines.fail(
+            f"dof must list rotations rx ry rz once each at most, not {' '.join(words)!r}; sliding joints are not supported"
+        )
     return "".join(channel[1] for channel in channels)
 
 

@@ -17,7 +17,10 @@ Array = NDArray[np.float64]
 
 ACCEPTED = ""
 
-_NUMBER = {"nullable": False, "coerce": True}
+
+def _number(rule: pa.Check | None = None) -> pa.Column:
+    return pa.Column(float, rule, nullable=False, coerce=True)
+
 
 WALKS = pa.DataFrameSchema(
     {
@@ -25,17 +28,17 @@ WALKS = pa.DataFrameSchema(
         "participant": pa.Column(str),
         "scene": pa.Column(str),  # name of a scene file, or "open" for none
         "configuration": pa.Column(str),  # e.g. straight_2.0, turn_90_3.0, rack_1-car
-        "start_s": pa.Column(float, pa.Check.ge(0), **_NUMBER),  # within the recording
-        "duration_s": pa.Column(float, pa.Check.ge(0), **_NUMBER),
-        "length_m": pa.Column(float, pa.Check.in_range(0, 1000), **_NUMBER),  # of the captured, smoothed path
-        "curvature_1_m": pa.Column(float, pa.Check.ge(0), **_NUMBER),  # of the captured, smoothed path
-        "height_m": pa.Column(float, pa.Check.in_range(0.5, 2.5), **_NUMBER),
-        "start_x_m": pa.Column(float, **_NUMBER),
-        "start_y_m": pa.Column(float, **_NUMBER),
-        "end_x_m": pa.Column(float, **_NUMBER),
-        "end_y_m": pa.Column(float, **_NUMBER),
-        "start_speed_m_s": pa.Column(float, pa.Check.in_range(0, 12), **_NUMBER),  # 0 for a standing start
-        "end_speed_m_s": pa.Column(float, pa.Check.in_range(0, 12), **_NUMBER),
+        "start_s": _number(pa.Check.ge(0)),  # within the recording
+        "duration_s": _number(pa.Check.ge(0)),
+        "length_m": _number(pa.Check.in_range(0, 1000)),  # of the captured, smoothed path
+        "curvature_1_m": _number(pa.Check.ge(0)),  # of the captured, smoothed path
+        "height_m": _number(pa.Check.in_range(0.5, 2.5)),
+        "start_x_m": _number(),
+        "start_y_m": _number(),
+        "end_x_m": _number(),
+        "end_y_m": _number(),
+        "start_speed_m_s": _number(pa.Check.in_range(0, 12)),  # 0 for a standing start
+        "end_speed_m_s": _number(pa.Check.in_range(0, 12)),
         "rejection": pa.Column(str),  # empty for an accepted walk, else the reason
     },
     strict=True,
@@ -45,9 +48,9 @@ WALKS = pa.DataFrameSchema(
 SAMPLES = pa.DataFrameSchema(
     {
         "walk": pa.Column(str),
-        "time_s": pa.Column(float, pa.Check.ge(0), **_NUMBER),  # from the start of the walk
-        "x_m": pa.Column(float, pa.Check.in_range(-1000, 1000), **_NUMBER),
-        "y_m": pa.Column(float, pa.Check.in_range(-1000, 1000), **_NUMBER),
+        "time_s": _number(pa.Check.ge(0)),  # from the start of the walk
+        "x_m": _number(pa.Check.in_range(-1000, 1000)),
+        "y_m": _number(pa.Check.in_range(-1000, 1000)),
     },
     strict=True,
     ordered=True,
@@ -90,7 +93,9 @@ def _first_failure(error: pa.errors.SchemaError) -> str:
     column = getattr(error.schema, "name", None)
     if isinstance(cases, pd.DataFrame) and len(cases) and "index" in cases and pd.notna(cases["index"].iloc[0]):
         case = cases.iloc[0]
-        return f"column {column}, row {case['index']}: value {case['failure_case']!r} fails {rule}; correct it or leave the row out"
+        return (
+            f"column {column}, row {case['index']}: value {case['failure_case']!r} fails {rule}; correct it or leave the row out"
+        )
     detail = cases["failure_case"].iloc[0] if isinstance(cases, pd.DataFrame) and len(cases) else cases
     return f"column {column or detail}: {rule} ({detail}); correct the table's columns"
 
@@ -117,7 +122,7 @@ def read_walks(walks_path: str | Path, samples_path: str | Path) -> list[Walk]:
     """
     walks = read_walk_table(walks_path)
     samples = check(read_table(samples_path), SAMPLES, samples_path)
-    groups = {name: group for name, group in samples.groupby("walk", sort=False)}
+    groups = dict(iter(samples.groupby("walk", sort=False)))
     result = []
     for _, row in walks.iterrows():
         group = groups.get(row["walk"])
@@ -126,6 +131,8 @@ def read_walks(walks_path: str | Path, samples_path: str | Path) -> list[Walk]:
         time_s = group["time_s"].to_numpy()
         if np.any(np.diff(time_s) <= 0):
             at = int(np.flatnonzero(np.diff(time_s) <= 0)[0]) + 1
-            raise InputError(f"{samples_path}: column time_s, walk {row['walk']}, sample {at}: times must ascend; sort the samples")
+            raise InputError(
+                f"{samples_path}: column time_s, walk {row['walk']}, sample {at}: times must ascend; sort the samples"
+            )
         result.append(Walk(row, time_s, group[["x_m", "y_m"]].to_numpy()))
     return result

@@ -9,10 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
+from matplotlib.ticker import MaxNLocator
 from numpy.typing import NDArray
 
 from walklab.errors import InputError
-from walklab.figures.style import SUITABILITY, quantity
+from walklab.figures.style import SUITABILITY, bold_letter, quantity, symbol, unit_text
 from walklab.steering.space import Axis, ParameterSpace
 
 Array = NDArray[np.float64]
@@ -55,36 +56,40 @@ def norm_of(*grids: Array) -> Normalize:
     return Normalize(low, high if high > low else low + 1.0)
 
 
-def cube(figure: Figure, position: Any) -> Any:
-    """Three-dimensional axes with quiet panes, at a subplot position or a rectangle."""
-    if isinstance(position, tuple) and len(position) == 4:
-        ax: Any = figure.add_axes(position, projection="3d")
-    else:
-        ax = figure.add_subplot(position, projection="3d")
+def cube(figure: Figure, position: tuple[float, float, float, float], zoom: float = 0.82) -> Any:
+    """Three-dimensional axes with quiet panes in a rectangle of the figure; later artists cover earlier ones."""
+    ax: Any = figure.add_axes(position, projection="3d")
     for axis in (ax.xaxis, ax.yaxis, ax.zaxis):
         axis.set_pane_color((1, 1, 1, 0))
         axis._axinfo["grid"].update(color="#E3E3E3", linewidth=0.4)
         axis.line.set_linewidth(0.6)
     ax.view_init(elev=24, azim=-52)
     ax.set_proj_type("ortho")
+    ax.set_box_aspect((1, 1, 0.85), zoom=zoom)
+    ax.computed_zorder = False
     ax.set_facecolor("none")
     return ax
 
 
-def label_cube(ax: Any, labels: list[str], ticks: int = 4, pad: float = -7.0) -> None:
+def in_mm(figure: Figure, left: float, bottom: float, width: float, height: float) -> tuple[float, float, float, float]:
+    """A rectangle given in millimetres, as fractions of the figure."""
+    across, up = figure.get_size_inches() * 25.4
+    return left / across, bottom / up, width / across, height / up
+
+
+def note(figure: Figure, left_mm: float, bottom_mm: float, index: int, text: str = "") -> None:
+    """A panel title where axes give it no good place: a bold letter and a few words."""
+    x, y = in_mm(figure, left_mm, bottom_mm, 0, 0)[:2]
+    figure.text(x, y, f"{bold_letter(index)}  {text}", fontsize=7.5)
+
+
+def label_cube(ax: Any, labels: list[str], ticks: int = 4, pad: tuple[float, float, float] = (-9.0, -9.0, -11.5)) -> None:
     """Name the three axes, close to them."""
-    for axis, setter, text in zip(
-        (ax.xaxis, ax.yaxis, ax.zaxis), (ax.set_xlabel, ax.set_ylabel, ax.set_zlabel), labels, strict=True
-    ):
-        axis.set_major_locator(_locator(ticks))
-        setter(text, labelpad=pad)
-    ax.tick_params(pad=-3.5, labelsize=6, length=2)
-
-
-def _locator(ticks: int) -> Any:
-    from matplotlib.ticker import MaxNLocator
-
-    return MaxNLocator(ticks, steps=[1, 2, 5, 10], prune=None)
+    for axis, text, distance in zip((ax.xaxis, ax.yaxis, ax.zaxis), labels, pad, strict=True):
+        axis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 5, 10]))
+        axis.set_label_text(text)
+        axis.labelpad = distance
+    ax.tick_params(pad=-4, labelsize=6)
 
 
 def draw_cells(ax: Any, grid: Array, space: ParameterSpace, norm: Normalize, size: float = 16.0, labels: bool = True) -> None:
@@ -101,7 +106,7 @@ def draw_cells(ax: Any, grid: Array, space: ParameterSpace, norm: Normalize, siz
     places, values = places[order], values[order]
     weight = np.clip(norm(values), 0, 1)
     colours = ScalarMappable(norm, SUITABILITY).to_rgba(values)
-    colours[:, 3] = 0.06 + 0.94 * weight**3
+    colours[:, 3] = 0.08 + 0.92 * weight**2.5
     ax.scatter(*places.T, s=size * (0.15 + 0.85 * weight**2), c=colours, linewidths=0, depthshade=False, rasterized=True)
     if labels:
         label_cube(ax, [quantity(axis.name, axis.unit) for axis in axes])
@@ -131,11 +136,9 @@ def draw_slice(
 
 
 def held_text(space: ParameterSpace, kept: tuple[int, ...], at: tuple[int, ...]) -> str:
-    """What the other axes of a slice are held at, e.g. ``omega = 1.36 1/m``."""
+    """What the other axes of a slice are held at, e.g. ``omega = 1.36 1/m``; a line each."""
     held = [axis for i, axis in enumerate(space.axes) if i not in kept]
     values = [axis.values[at[i]] for i, axis in enumerate(space.axes) if i not in kept]
-    from walklab.figures.style import symbol
-
-    return ", ".join(
-        f"{symbol(axis.name)} = {value:.2f} {axis.unit.replace('m/s2', 'm/s²')}" for axis, value in zip(held, values, strict=True)
+    return "\n".join(
+        f"{symbol(axis.name)} = {value:.2f} {unit_text(axis.unit)}" for axis, value in zip(held, values, strict=True)
     )

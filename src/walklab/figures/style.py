@@ -8,6 +8,7 @@ people with any common colour vision can tell apart.
 from __future__ import annotations
 
 import functools
+import re
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import Any, ParamSpec
@@ -17,6 +18,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from numpy.typing import NDArray
 
 from walklab.errors import InputError
@@ -43,9 +45,11 @@ OBSTACLE = "#D9D9D9"
 
 MODEL_COLOURS: dict[str, str] = {"Ref": BLACK, "P_Stat": ORANGE, "P_Adapt": GREEN, "P_Prob": BLUE}
 OTHER_MODEL = PURPLE  # baselines that the paper does not have
+SET_COLOURS = (SKY, VERMILLION, PURPLE, "#F0E442")  # data sets, in the order given: never a model's colour
+PUBLISHED_MARK: dict[str, Any] = {"marker": "D", "mfc": "white", "mec": PUBLISHED, "mew": 1.0, "ms": 4.5, "ls": "none"}
 SUITABILITY = "viridis"  # yellow is suitable, as in the paper
 
-RC: dict[str, Any] = {
+RC: Any = {
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],  # shipped with matplotlib: the same metrics on every machine
     "mathtext.default": "regular",
@@ -75,7 +79,7 @@ RC: dict[str, Any] = {
     "lines.markersize": 4,
     "grid.color": "#E6E6E6",
     "grid.linewidth": 0.5,
-    "figure.dpi": 100,
+    "figure.dpi": 200,
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
     "svg.fonttype": "none",
@@ -94,17 +98,29 @@ def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
         with matplotlib.rc_context():
             matplotlib.rcdefaults()
             matplotlib.rcParams.update(RC)
-            return draw(*args, **kwargs)
+            return _settled(draw(*args, **kwargs))
 
     return wrapper
 
 
+def _settled(figure: Figure) -> Figure:
+    """Lay the figure out once and keep the result, rounded.
+
+    The constraint solver's last bits depend on the order of objects in memory; without rounding, the identifiers in
+    an SVG, which are digests of positions, would differ from run to run.
+    """
+    if isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
+        figure.draw_without_rendering()
+        figure.set_layout_engine("none")
+        for ax in figure.axes:
+            ax.set_position(tuple(round(value, 6) for value in ax.get_position(original=True).bounds))
+    return figure
+
+
 def new_figure(width_mm: float, height_mm: float, constrained: bool = True) -> Figure:
     """An empty figure of exactly this size."""
-    figure = Figure(figsize=(width_mm / 25.4, height_mm / 25.4), layout="constrained" if constrained else None)
-    if constrained:
-        figure.get_layout_engine().set(w_pad=0.03, h_pad=0.03, wspace=0.03, hspace=0.03)  # type: ignore[union-attr]
-    return figure
+    layout = ConstrainedLayoutEngine(w_pad=0.03, h_pad=0.03, wspace=0.03, hspace=0.03) if constrained else None
+    return Figure(figsize=(width_mm / 25.4, height_mm / 25.4), layout=layout)
 
 
 def save(figure: Figure, path_svg: str | Path, path_png: str | Path, dpi: int = PNG_DPI) -> None:
@@ -117,20 +133,25 @@ def save(figure: Figure, path_svg: str | Path, path_png: str | Path, dpi: int = 
 
 
 def colour(model: str) -> str:
-    """The one colour of a model; names such as ``P_Prob_without_length`` take their model's."""
+    """The one colour of a model; a variant such as ``P_Prob without dependencies`` has its model's."""
     for name in sorted(MODEL_COLOURS, key=len, reverse=True):
-        if model == name or model.startswith(name + "_"):
+        if model == name or model.startswith((f"{name}_", f"{name} ")):
             return MODEL_COLOURS[name]
     return OTHER_MODEL
 
 
 def model_label(model: str) -> str:
     """``P_Prob`` as the paper sets it, with an index."""
-    head, _, index = model.partition("_")
-    return f"$P_{{{index}}}$" if head == "P" and index.isalpha() else model.replace("_", " ")
+    found = re.fullmatch(r"P_([A-Za-z]+)(.*)", model)
+    return f"$P_{{{found[1]}}}${found[2].replace('_', ' ')}" if found else model.replace("_", " ")
 
 
 GREEK = {"omega", "tau", "alpha", "beta", "gamma", "theta", "kappa", "sigma", "lambda", "mu"}
+
+
+def set_label(name: str) -> str:
+    """``scenario_1`` in words."""
+    return name.replace("_", " ")
 
 
 def symbol(name: str) -> str:
@@ -142,8 +163,12 @@ def symbol(name: str) -> str:
 
 def quantity(name: str, unit: str) -> str:
     """An axis label: the quantity and its unit."""
-    pretty = unit.replace("m/s2", "m/s²").replace("^2", "²")
-    return f"{symbol(name)} ({pretty})" if pretty else symbol(name)
+    return f"{symbol(name)} ({unit_text(unit)})" if unit else symbol(name)
+
+
+def unit_text(unit: str) -> str:
+    """A unit with its square as a superscript."""
+    return unit.replace("s2", "s²").replace("m2", "m²").replace("^2", "²")
 
 
 def require(frame: pd.DataFrame, columns: Iterable[str], figure: str, values: Iterable[str] = ()) -> None:
@@ -187,8 +212,12 @@ def require_array(values: Any, figure: str, what: str, dimensions: int | None = 
 
 def letter(ax: Axes, index: int, text: str = "") -> None:
     """Panel title: a bold letter and, if given, a few words."""
-    bold = f"$\\mathbf{{{'abcdefghijkl'[index]}}}$"
-    ax.set_title(f"{bold}  {text}" if text else bold, loc="left")
+    ax.set_title(f"{bold_letter(index)}  {text}".rstrip(), loc="left")
+
+
+def bold_letter(index: int) -> str:
+    """a, b, c, ... in bold."""
+    return f"$\\mathbf{{{'abcdefghijklmnopqrstuvwxyz'[index]}}}$"
 
 
 def spread(count: int, width: float) -> Array:

@@ -1,0 +1,65 @@
+"""Linear mixed models of the travel-time error: participants as random effects."""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import pandas as pd
+import statsmodels.formula.api as smf
+
+from walklab.evaluation.pairs import PAIRS, paired
+
+
+def mixed_model(trials: pd.DataFrame, pairs: Sequence[tuple[str, str]] = PAIRS, column: str = "abs_dt_s") -> pd.DataFrame:
+    """Linear mixed models with a random intercept per participant: what the signed-rank test leaves out.
+
+    Two fits (statsmodels ``MixedLM``, REML). ``levels``: error by model, the participant's intercept shared by
+    the models, so that the contrasts still count walks as independent. ``differences``: paired difference
+    second - first of each pair, the participant's intercept being that person's own benefit, so that the
+    interval answers for other participants.
+
+    Returns
+    -------
+    DataFrame[fit, term, estimate_s, standard_error_s, low_s, high_s, p, participant_sd_s, residual_sd_s, converged]
+    """
+    names = list(dict.fromkeys(trials["model"]))
+    data = trials[["model", "participant"]].assign(error=trials[column].astype(float))
+    reference = names[0]
+    rows = _fit_mixed(data, f"error ~ C(model, Treatment('{reference}'))", "levels")
+    for row in rows:
+        row["term"] = row["term"].split("[T.")[-1].rstrip("]") + f" - {reference}" if "[T." in row["term"] else reference
+    for first, second in pairs:
+        if {first, second} <= set(names):
+            table = paired(trials, first, second, column)
+            table["error"] = table["second"] - table["first"]
+            for row in _fit_mixed(table, "error ~ 1", "differences"):
+                rows.append({**row, "term": f"{second} - {first}"})
+    return pd.DataFrame(rows)
+
+
+def _fit_mixed(data: pd.DataFrame, formula: str, fit: str) -> list[dict[str, Any]]:
+    empty = {"participant_sd_s": np.nan, "residual_sd_s": np.nan, "converged": False}
+    if data["participant"].nunique() < 2 or np.ptp(data["error"]) == 0:
+        return [{"fit": fit, "term": "Intercept", "estimate_s": data["error"].mean(), "standard_error_s": np.nan}
+                | {"low_s": np.nan, "high_s": np.nan, "p": np.nan} | empty]  # fmt: skip
+    with warnings.catch_warnings():
+        # Gradient methods stop on the bound of the variance and report absurd errors; Powell's does not.
+        # A variance at its bound of zero is an answer here (the column participant_sd_s says so), not a failure.
+        warnings.simplefilter("ignore")
+        result = smf.mixedlm(formula, data, groups=data["participant"]).fit(reml=True, method="powell")
+        bounds = result.conf_int()
+        errors, p_values = result.bse_fe, result.pvalues
+    spread = {
+        "participant_sd_s": float(np.sqrt(max(float(np.asarray(result.cov_re)[0, 0]), 0.0))),
+        "residual_sd_s": float(np.sqrt(result.scale)),
+        "converged": bool(result.converged),
+    }
+    return [
+        {"fit": fit, "term": term, "estimate_s": float(estimate), "standard_error_s": float(errors[term])}
+        | {"low_s": float(bounds.loc[term, 0]), "high_s": float(bounds.loc[term, 1]), "p": float(p_values[term])}
+        | spread
+        for term, estimate in result.fe_params.items()
+    ]

@@ -1,0 +1,52 @@
+"""Tables as self-contained HTML pages for the report."""
+
+from __future__ import annotations
+
+from html import escape
+
+import pandas as pd
+
+STYLE = """
+:root { color-scheme: light dark; font: 14px/1.45 system-ui, sans-serif; }
+body { margin: 1.5rem; }
+h1 { font-size: 1.2rem; }
+.scroll { overflow-x: auto; }
+table { border-collapse: collapse; }
+th, td { padding: .3rem .6rem; text-align: left; vertical-align: top; border-bottom: 1px solid #8886; }
+th { position: sticky; top: 0; background: Canvas; }
+td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
+td.reproduced { border-left: 4px solid #009e73; }
+td.partly { border-left: 4px solid #e69f00; }
+td.not-reproduced { border-left: 4px solid #d55e00; }
+td.not-checkable { border-left: 4px solid #999; }
+"""
+
+
+def table_page(table: pd.DataFrame, title: str) -> str:
+    """A page with one table: numbers to the right with four significant digits, verdicts marked by colour and word."""
+    header = "".join(f"<th>{escape(str(name).replace('_', ' '))}</th>" for name in table.columns)
+    rows = "\n".join(f"<tr>{''.join(_cell(name, row[name]) for name in table.columns)}</tr>" for _, row in table.iterrows())
+    head = f'<meta charset="utf-8"><title>{escape(title)}</title><style>{STYLE}</style>'
+    body = f"<table><thead><tr>{header}</tr></thead>\n<tbody>\n{rows}\n</tbody></table>"
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n'
+        f'<body><h1>{escape(title)}</h1><div class="scroll">{body}</div></body></html>\n'
+    )
+
+
+def _cell(column: str, value: object) -> str:
+    if column == "verdict":
+        return f'<td class="{escape(str(value).replace(" ", "-"))}">{escape(str(value))}</td>'
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return f"<td>{escape(str(value)) if not _missing(value) else ''}</td>"
+    return f'<td class="number">{_number(value)}</td>'
+
+
+def _missing(value: object) -> bool:
+    return value is None or (isinstance(value, float) and value != value)
+
+
+def _number(value: float) -> str:
+    if _missing(value):
+        return ""
+    return f"{value:.4g}" if isinstance(value, float) and not value.is_integer() else f"{value:.0f}"

@@ -1,0 +1,221 @@
+"""Reynolds path following with limited acceleration and a turning rate limited by speed.
+
+The planner of Agethen et al. 2017, section 4.3: a Lazy Theta* route followed by the path following of Reynolds 1999;
+"the rate of velocity change is constrained. Same applies for angular velocity", by a linear
+relationship between speed and the largest turning rate (Cirio et al. 2013): ``|d heading / dt| <= omega * speed``.
+An agent at rest cannot turn, and its smallest radius is 1 / omega.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from walklab.errors import InputError
+from walklab.geometry.scene import Body, Scene, Task
+from walklab.planning.following_kernel import AT_END, CONSTANT, PROPORTIONAL, Rule, follow_route, sweep
+from walklab.planning.protocol import Arrival, Trajectory, WalkBatch
+from walklab.planning.routes import RouteFinder, prepare_route
+
+Array = NDArray[np.float64]
+
+NAMES = ("v", "a", "omega", "b")
+TURN_LAWS = {"proportional": PROPORTIONAL, "constant": CONSTANT}
+
+# ASSUME: the look-ahead distance is 0.30 m, because the paper gives none; it is about half a step, so that a corner is cut by a
+# few centimetres as people do, and the shortest walks (0.5 m) are still longer than it.
+LOOK_AHEAD_M = 0.30
+
+# ASSUME: a walk has arrived if it comes to its end within 0.10 m, because the paper defines no arrival; captured standing
+# positions scatter by about as much around the same mark.
+ARRIVAL_RADIUS_M = 0.10
+
+# ASSUME: an agent turns by any angle at once when omega is not a parameter, and brakes as hard as it accelerates when b is not,
+# because the paper's three parameters name neither another turning limit nor a braking limit.
+DEFAULTS = {"omega": math.inf}
+
+
+@dataclass(frozen=True)
+class PathFollowing:
+    """Walks along a Lazy Theta* route; implements :class:`walklab.planning.protocol.SweepingPlanner`.
+
+    In each step the agent takes the route point nearest to it (never behind an earlier one, at most ``look_ahead_m``
+    ahead), seeks the point ``look_ahead_m`` further along, turns towards it by at most ``omega`` times the distance of the
+    step, speeds up by at most ``a`` towards ``v``, and brakes by at most ``b`` so as to reach the task's end speed at the
+    route's end.
+
+    The walk ends when the nearest route point is the route's end; the last step is cut there, and the agent stands
+    from then on (with whatever speed a cut corner or ``braking=False`` left it). It has *arrived* if it then is within
+    ``arrival_radius_m`` of the end, else it has *passed*: its turning circle was too large for the route.
+    *Timeout*: still under way at the time limit.
+
+    Attributes
+    ----------
+    parameters : any of v (m/s), a (m/s2), omega (1/m; rad/s with the constant turn law), b (m/s2), in any order
+    step_s : simulation step
+    look_ahead_m, arrival_radius_m : see above
+    fixed : values of parameters that are not in ``parameters``; v and a must be in one of the two
+    braking : False: keep going at full speed up to the end
+    turn_law : "proportional" (omega * speed) or "constant" (omega)
+    finder : finds the routes
+    """
+
+    parameters: tuple[str, ...] = ("v", "a", "omega")
+    step_s: float = 1 / 60
+    look_ahead_m: float = LOOK_AHEAD_M
+    arrival_radius_m: float = ARRIVAL_RADIUS_M
+    fixed: Mapping[str, float] = field(default_factory=dict)
+    braking: bool = True
+    turn_law: str = "proportional"
+    finder: RouteFinder = field(default_factory=RouteFinder)
+    moving_start: bool = True
+
+    def __post_init__(self) -> None:
+        check_names("path_following", self.parameters, self.fixed, NAMES, required=("v", "a"))
+        for name in ("step_s", "look_ahead_m", "arrival_radius_m"):
+            if not (math.isfinite(getattr(self, name)) and getattr(self, name) > 0):
+                raise InputError(f"planner path_following: {name} is {getattr(self, name)}; it must be above 0")
+        if self.turn_law not in TURN_LAWS:
+            raise InputError(f"planner path_following: unknown turn_law {self.turn_law!r}; known are {sorted(TURN_LAWS)}")
+
+    def route(self, scene: Scene, task: Task, body: Body) -> Array:
+        """See :meth:`RouteFinder.route`."""
+        return self.finder.route(scene, task, body)
+
+    def kernel_parameters(self, cells: Array) -> Array:
+        """Columns v, a, omega, b for the compiled loops, from vectors in the order of ``parameters``; (cells, 4) array.
+
+        Raises
+        ------
+        InputError
+            If a value is not above zero (omega: not below) or, but for omega, not finite.
+        """
+        cells = np.atleast_2d(np.asarray(cells, dtype=float))
+        if cells.shape[1] != len(self.parameters):
+            raise InputError(f"planner path_following: {cells.shape[1]} values for the parameters {', '.join(self.parameters)}")
+        values: dict[str, Array] = {name: cells[:, i] for i, name in enumerate(self.parameters)}
+        for name, value in {**DEFAULTS, **self.fixed}.items():
+            values.setdefault(name, np.full(len(cells), float(value)))
+        values.setdefault("b", values["a"])
+        for name in NAMES:
+            good = values[name] >= 0 if name == "omega" else np.isfinite(values[name]) & (values[name] > 0)
+            if not good.all():
+                bad = values[name][np.flatnonzero(~good)[0]]
+                raise InputError(f"planner path_following: parameter {name} is {bad}; it must be a number above 0")
+        return np.ascontiguousarray(np.column_stack([values[name] for name in NAMES]))
+
+    def follow(self, route_m: Array, task: Task, parameters: Array, time_limit_s: float) -> Trajectory:
+        """Walk along the route with one vector of steering parameters.
+
+        Parameters
+        ----------
+        route_m : (n, 2) array; the walk starts at its first point
+        task : gives start heading (None: along the first leg), start and end speed
+        parameters : values in the order of ``parameters``
+        time_limit_s : longest simulated time
+
+        Raises
+        ------
+        InputError
+            If a parameter has no sensible value.
+        """
+        route = prepare_route(np.asarray(route_m, dtype=float))
+        values = self.kernel_parameters(parameters)[0]
+        if len(route) < 2:
+            return Trajectory(route[:, :2].copy(), self.step_s, Arrival.ARRIVED)
+        heading = route[0, 3:]
+        if task.start.heading_rad is not None:
+            heading = np.array([math.cos(task.start.heading_rad), math.sin(task.start.heading_rad)])
+        steps = max(math.ceil(time_limit_s / self.step_s - 1e-9), 0)
+        speeds = task.start.speed_m_s, task.end.speed_m_s
+        positions, status = follow_route(route, heading, *speeds, values, self._rule, steps)
+        return Trajectory(positions, self.step_s, arrival_of(positions, route, status == AT_END, self.arrival_radius_m))
+
+    def sweep_euclid(self, batch: WalkBatch, cells: Array) -> Array:
+        """m_Euclid of every walk and cell: ``sum_t |T_t - A_t| * step_s / length`` (Agethen et al. 2017, eq. 5), seconds.
+
+        The sum runs over the captured frames; an agent that has ended stands where it ended. Initial headings are along
+        the first leg. The result does not depend on the number of threads.
+
+        Parameters
+        ----------
+        batch : captured walks and routes, at this planner's step
+        cells : (cells, parameters) array
+
+        Returns
+        -------
+        (walks, cells) array
+
+        Raises
+        ------
+        InputError
+            If the batch has another step or a parameter has no sensible value.
+        """
+        if not math.isclose(batch.step_s, self.step_s):
+            raise InputError(f"walks sampled every {batch.step_s:.6f} s, planner steps {self.step_s:.6f} s; resample the walks")
+        values = self.kernel_parameters(cells)
+        routes = [prepare_route(route) for route in np.split(batch.routes_m, batch.route_offsets[1:-1])] if len(batch) else []
+        if not routes:
+            return np.empty((0, len(values)))
+        offsets = np.concatenate([[0], np.cumsum([len(route) for route in routes])])
+        return sweep(
+            np.concatenate(routes),
+            offsets.astype(np.int64),
+            _floats(batch.captured_m),
+            batch.captured_offsets.astype(np.int64),
+            (_floats(batch.start_speeds_m_s), _floats(batch.end_speeds_m_s)),
+            _floats(batch.lengths_m),
+            balanced_order(np.diff(batch.captured_offsets)),
+            values,
+            self._rule,
+        )
+
+    @property
+    def _rule(self) -> Rule:
+        return float(self.look_ahead_m), bool(self.braking), TURN_LAWS[self.turn_law], float(self.step_s)
+
+
+def _floats(values: Array) -> Array:
+    return np.ascontiguousarray(values, dtype=float)
+
+
+def check_names(
+    planner: str, parameters: Sequence[str], fixed: Mapping[str, float], known: Sequence[str], required: Sequence[str]
+) -> None:
+    """Hold the names of a planner's parameters to those it knows.
+
+    Raises
+    ------
+    InputError
+        If a name is unknown, stands twice, or is missing.
+    """
+    for name in (*parameters, *fixed):
+        if name not in known:
+            raise InputError(f"planner {planner}: unknown parameter {name!r}; known are {', '.join(known)}")
+    names = [*parameters, *fixed]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise InputError(
+            f"planner {planner}: {', '.join(twice)} given twice; a parameter is either an axis of the space or fixed"
+        )
+    if missing := [name for name in required if name not in names]:
+        raise InputError(f"planner {planner}: no value for {', '.join(missing)}; add it to the space or under the option 'fixed'")
+
+
+def arrival_of(positions_m: Array, route: Array, at_end: bool, arrival_radius_m: float) -> Arrival:
+    """How a walk ended, from its last position."""
+    if not at_end:
+        return Arrival.TIMEOUT
+    distance = math.hypot(*(positions_m[-1] - route[-1, :2]))
+    return Arrival.ARRIVED if distance <= arrival_radius_m else Arrival.PASSED
+
+
+def balanced_order(frames: NDArray[np.int64]) -> NDArray[np.int64]:
+    """An order of walks in which every thread's contiguous part holds about the same number of frames."""
+    threads = numba.get_num_threads()
+    longest_first = np.argsort(-np.asarray(frames), kind="stable")
+    return np.concatenate([longest_first[first::threads] for first in range(threads)]).astype(np.int64)

@@ -1,0 +1,76 @@
+"""Routes: finding them, with one grid per scene and body, and preparing them for the compiled walkers."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from walklab.geometry.scene import Body, Scene, Task
+from walklab.planning.grid import OccupancyGrid, build_grid
+from walklab.planning.lazy_theta_star import SNAP_M, lazy_theta_star
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class RouteFinder:
+    """Lazy Theta* routes; a scene is prepared once per body radius and answers all later queries.
+
+    Attributes
+    ----------
+    cell_m : grid cell (Agethen et al. 2017, section 4.3: 0.01 m)
+    snap_m : overlap of a start or end with a grown obstacle that is tolerated
+    """
+
+    cell_m: float = 0.01
+    snap_m: float = SNAP_M
+    _grids: dict[tuple, OccupancyGrid] = field(default_factory=dict, repr=False, compare=False)
+
+    def route(self, scene: Scene, task: Task, body: Body) -> Array:
+        """A collision-free polyline from start to end, (n, 2) array, metres.
+
+        Raises
+        ------
+        InputError
+            If an end overlaps an obstacle or there is no way between the ends.
+        """
+        start, end = task.start.position_m, task.end.position_m
+        if not scene.obstacles:
+            return np.array([start, end], dtype=float)
+        return lazy_theta_star(self.grid(scene, task, body), start, end, self.snap_m)
+
+    def grid(self, scene: Scene, task: Task, body: Body) -> OccupancyGrid:
+        """The grid of the scene, grown if the task's ends lie outside."""
+        points = [task.start.position_m, task.end.position_m]
+        key = (scene.name, body.radius_m, tuple((name, shape.wkb) for name, shape in scene.obstacles.items()))
+        grid = self._grids.get(key)
+        if grid is None or not grid.covers(points):
+            grid = self._grids[key] = build_grid(scene, body.radius_m, points, self.cell_m, grid)
+        return grid
+
+
+def prepare_route(route_m: Array) -> Array:
+    """Points of a route without repeats, their arc length and the direction of the leg that follows.
+
+    Parameters
+    ----------
+    route_m : (n, 2) array, metres
+
+    Returns
+    -------
+    (m, 5) array of x, y, arc length, direction x, direction y; the last row repeats the last leg's direction;
+    one row if the route has no extent
+    """
+    legs = np.diff(route_m, axis=0)
+    lengths = np.hypot(legs[:, 0], legs[:, 1])
+    keep = lengths > 0.0
+    points = np.concatenate([route_m[:1], route_m[1:][keep]])
+    prepared = np.zeros((len(points), 5))
+    prepared[:, :2] = points
+    if len(points) > 1:
+        prepared[1:, 2] = np.cumsum(lengths[keep])
+        prepared[:-1, 3:] = legs[keep] / lengths[keep, None]
+        prepared[-1, 3:] = prepared[-2, 3:]
+    return prepared

@@ -1,0 +1,92 @@
+"""The long-distance study on walks that a known v and a made."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pandas as pd
+import pytest
+
+from walklab.errors import InputError
+from walklab.evaluation.long_distance import (
+    SETTINGS,
+    simulated_times_s,
+    split_walks,
+    straight_travel_time_s,
+    study_long_distances,
+)
+from walklab.geometry.standing import Standing
+from walklab.planning.path_following import PathFollowing
+from walklab.steering.space import space_from_config
+
+PLANNER = PathFollowing(("v", "a"), 1 / 60)
+SPACE = space_from_config(
+    [
+        {"name": "v", "unit": "m/s", "start": 0.5, "step": 0.3, "count": 6},
+        {"name": "a", "unit": "m/s2", "start": 0.5, "step": 0.5, "count": 4},
+    ]
+)
+
+
+def captured(spread: float = 0.0, people: int = 6) -> pd.DataFrame:
+    rng = np.random.default_rng(0)
+    rows = []
+    for person in range(people):
+        pace = 1.4 * (1 + spread * rng.normal())
+        for distance in (10.0, 25.0, 50.0):
+            for repetition in range(1, 5):
+                name = f"long/P{person}/{distance:g}/{repetition}"
+                time_s = straight_travel_time_s(distance, pace, 1.0)
+                rows.append([name, f"P{person}", 1.7 + 0.03 * person, distance, repetition, time_s])
+    return pd.DataFrame(rows, columns=["walk", "participant", "height_m", "distance_m", "repetition", "travel_time_s"])
+
+
+@pytest.mark.parametrize(("distance_m", "v", "a"), [(10.0, 1.7, 1.2), (25.0, 0.8, 0.4), (0.5, 2.0, 0.5)])
+def test_simulated_times_tend_to_the_closed_form(distance_m: float, v: float, a: float) -> None:
+    fine = replace(PLANNER, step_s=1 / 480)
+    times = [simulated_times_s(planner, distance_m, np.array([v, a]), Standing(0.001), 60.0)[0] for planner in (PLANNER, fine)]
+    exact = straight_travel_time_s(distance_m, v, a)
+    assert times[0] == pytest.approx(exact, abs=4 / 60)
+    assert times[1] == pytest.approx(exact, abs=0.02)
+
+
+def test_the_optimum_reproduces_walks_that_all_are_alike() -> None:
+    table, draws, optimum = study_long_distances(captured(), PLANNER, SPACE, Standing(), 5, 0, maxfun=600, resamples=50)
+    medians = table[table["statistic"] == "median"].pivot_table(index="distance_m", columns="source", values="value")
+    np.testing.assert_allclose(medians["P_Stat"], medians["Ref"], rtol=0.02)
+    ranges = table[table["statistic"] == "iqr"].pivot_table(index="distance_m", columns="source", values="value")
+    assert (ranges["P_Stat"] == 0).all()
+    assert (ranges["P_Prob"] > 0).all()
+    assert optimum["value"].iloc[0] == pytest.approx(1.4, abs=0.1)
+    assert len(draws) == 3 * 36
+    assert draws.loc[draws["source"] == "Ref", ["v", "a"]].isna().all(axis=None)
+
+
+def test_draws_depend_on_seed_and_walk_only() -> None:
+    walks = captured(0.1)
+    first = study_long_distances(walks, PLANNER, SPACE, Standing(), 5, 0, maxfun=20, resamples=20)[1]
+    again = study_long_distances(walks, PLANNER, SPACE, Standing(), 5, 0, maxfun=20, resamples=20)[1]
+    other = study_long_distances(walks, PLANNER, SPACE, Standing(), 6, 0, maxfun=20, resamples=20)[1]
+    pd.testing.assert_frame_equal(first, again)
+    drawn = first["source"] == "P_Prob"
+    assert not np.allclose(first.loc[drawn, "v"], other.loc[drawn, "v"])
+
+
+def test_halves_share_participants_by_repetition_and_none_by_participant() -> None:
+    walks = captured()
+    training, test = split_walks(walks, "repetition")
+    assert set(training["participant"]) == set(test["participant"])
+    assert set(training["repetition"]) == {1, 3}
+    training, test = split_walks(walks, "participant")
+    assert not set(training["participant"]) & set(test["participant"])
+    assert len(training) == len(test) == 36
+    with pytest.raises(InputError, match="cannot be halved"):
+        split_walks(walks[walks["participant"] == "P0"], "participant")
+    with pytest.raises(InputError, match="neither repetition nor participant"):
+        split_walks(walks, "height")  # type: ignore[arg-type]
+
+
+def test_more_neighbours_than_a_distance_has_walks_are_refused() -> None:
+    with pytest.raises(InputError, match="at most 20"):
+        study_long_distances(captured(), PLANNER, SPACE, Standing(), 5, 0, settings=replace(SETTINGS, k=30))

@@ -1,0 +1,206 @@
+"""What holds for every figure: units, sizes, nothing cut off, the same bytes twice, no blank pictures."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import figure_inputs as inputs
+import numpy as np
+import pandas as pd
+import pytest
+from figure_inputs import FIGURES
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.colors import to_hex, to_rgba
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+
+from walklab.errors import InputError
+from walklab.figures import blending, capture, claims, evaluation, maps, real
+from walklab.figures.style import DOUBLE_MM, MODEL_COLOURS, SINGLE_MM, save
+
+every_figure = pytest.mark.parametrize("draw", FIGURES.values(), ids=FIGURES)
+
+
+def labels_of(ax: Axes) -> list[str]:
+    texts = [ax.get_xlabel(), ax.get_ylabel()]
+    return [text for text in [*texts, ax.get_zlabel() if hasattr(ax, "get_zlabel") else ""] if text]
+
+
+def labelled(ax: Axes, label: str) -> np.ndarray:
+    """Data of all lines of this label, (n, 2)."""
+    found = [line.get_xydata() for line in ax.get_lines() if str(line.get_label()).startswith(label)]
+    return np.concatenate(found) if found else np.empty((0, 2))
+
+
+@every_figure
+def test_axes_have_labels_with_units(draw: Callable[[], Figure]) -> None:
+    figure = draw()
+    assert isinstance(figure, Figure)
+    labels = [text for ax in figure.axes if ax.axison for text in labels_of(ax)]
+    assert labels
+    assert [text for text in labels if not re.search(r"\([^()]+\)", text)] == []
+
+
+@every_figure
+def test_fits_a_column_and_cuts_nothing_off(draw: Callable[[], Figure], monkeypatch: pytest.MonkeyPatch) -> None:
+    figure = draw()
+    width_mm = figure.get_size_inches()[0] * 25.4
+    assert min(abs(width_mm - SINGLE_MM), abs(width_mm - DOUBLE_MM)) < 0.01
+    drawn: list[Text] = []  # matplotlib also keeps tick labels that it does not draw
+    original = Text.draw
+    monkeypatch.setattr(Text, "draw", lambda text, renderer: (drawn.append(text), original(text, renderer)))
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    frame = figure.bbox
+    texts = [text for text in drawn if text.get_visible() and text.get_text().strip()]
+    assert texts
+    for text in texts:
+        box = text.get_window_extent(canvas.get_renderer())
+        inside = box.x0 > frame.x0 - 1 and box.x1 < frame.x1 + 1 and box.y0 > frame.y0 - 1 and box.y1 < frame.y1 + 1
+        assert inside, f"{text.get_text()!r} leaves the figure"
+        assert text.get_fontsize() >= 6, f"{text.get_text()!r} is too small to read"
+
+
+@every_figure
+def test_drawn_twice_gives_the_same_bytes(draw: Callable[[], Figure], tmp_path: Path) -> None:
+    for name in ("first", "second"):
+        save(draw(), tmp_path / f"{name}.svg", tmp_path / f"{name}.png", dpi=80)
+    for suffix in ("svg", "png"):
+        assert (tmp_path / f"first.{suffix}").read_bytes() == (tmp_path / f"second.{suffix}").read_bytes()
+
+
+def test_every_model_has_its_colour_in_every_figure() -> None:
+    used: dict[str, set[str]] = {name: set() for name in MODEL_COLOURS}
+    fig11, fig15, fig10, scores = (FIGURES[name]() for name in ("fig11", "fig15", "fig10", "scores"))
+    for ax, name in zip(fig11.axes, ("P_Stat", "P_Adapt", "P_Prob"), strict=False):
+        used[name] |= {to_hex(patch.get_facecolor()).upper() for patch in ax.patches}
+    ticks = [text.get_text() for text in fig15.axes[0].get_xticklabels()]
+    boxes = {round(np.mean(p.get_path().vertices[:4, 0])): to_hex(p.get_facecolor()).upper() for p in fig15.axes[0].patches}
+    used["P_Prob"].add(boxes[ticks.index("$P_{Prob}$")])
+    lines = [line for line in fig10.axes[0].get_lines() if line.get_linewidth() == 1.2]
+    for line, name in zip(lines, MODEL_COLOURS, strict=True):
+        used[name].add(to_hex(line.get_color()).upper())
+    means = [line for line in scores.axes[0].get_lines() if line.get_marker() == "D"]
+    for line, name in zip(means, ("P_Stat", "P_Prob"), strict=False):
+        used[name].add(to_hex(line.get_markerfacecolor()).upper())
+    assert used == {name: {hue} for name, hue in MODEL_COLOURS.items()}
+
+
+def test_published_markers_stand_at_the_values_passed_in() -> None:
+    bottom = FIGURES["fig03"]().axes[1]
+    assert labelled(bottom, "published").tolist() == [[2.0, 75.0], [4.0, 95.0]]
+    medians = sorted(labelled(FIGURES["fig11"]().axes[3], "published")[:, 0])
+    assert medians == pytest.approx([0.45, 0.45, 0.51, 0.51])  # two ends of the median line of each box
+    assert labelled(FIGURES["fig13"]().axes[0], "published")[:, 0].tolist() == list(inputs.PUBLISHED_ABLATIONS.values())
+    top, bottom = FIGURES["fig14"]().axes
+    assert labelled(top, "published")[:, 1].tolist() == list(inputs.PUBLISHED_ERROR_OF_K.values())
+    assert labelled(bottom, "published")[:, 1].tolist() == list(inputs.PUBLISHED_MS.values())
+    long = FIGURES["fig15"]().axes[0]
+    assert labelled(long, "published")[:, 1].tolist() == [6.31, 6.4]
+    bars = [line.get_ydata() for line in long.get_lines() if line.get_linewidth() == 1.0 and len(line.get_ydata()) == 2]
+    assert [6.31 - 0.27, 6.31 + 0.27] in [pytest.approx(list(bar)) for bar in bars]
+
+
+def test_published_markers_are_hollow() -> None:
+    for name in ("fig03", "fig13", "fig14", "fig15"):
+        for ax in FIGURES[name]().axes:
+            for line in ax.get_lines():
+                if str(line.get_label()).startswith("published"):
+                    assert to_rgba(line.get_markerfacecolor()) == to_rgba("white")
+
+
+def test_our_values_stand_where_they_belong() -> None:
+    assert labelled(FIGURES["fig13"]().axes[0], "ours")[:, 0].tolist() == [0.5, 0.52, 0.7]
+    assert labelled(FIGURES["fig14"]().axes[1], "ours")[:, 1].tolist() == [0.01, 0.05]
+    ratio, beyond = labelled(FIGURES["claims"]().axes[0], "ours")
+    assert ratio.tolist() == pytest.approx([0.6 / 0.5, 0])
+    assert beyond.tolist() == pytest.approx([1 / claims.REACH, 1])  # 0.05 of 38.4 lies left of the axis
+
+
+def test_a_claim_in_words_has_a_verdict_but_no_ratio() -> None:
+    only_words = inputs.claim_rows().iloc[2:]
+    ax = claims.fig_claims(only_words).axes[0]
+    assert len(labelled(ax, "ours")) == 0
+    assert any(line.get_marker() == "^" for line in ax.get_lines())
+
+
+@pytest.mark.parametrize("axes", [2, 4])
+def test_maps_over_two_or_four_parameters_are_drawn(axes: int) -> None:
+    base = inputs.space().axes[0]
+    space = type(inputs.space())(tuple(type(base)(name, "m/s", base.values) for name in ("v", "a", "omega", "b")[:axes]))
+    grid = np.random.default_rng(0).random(space.shape)
+    assert len(maps.fig05(grid, space).axes) == {2: 2, 4: 5}[axes]
+    assert maps.fig08([grid.ravel()], [1.0], space, 0.0, 1.8).axes
+    for dependencies in (1, 2, 4):
+        names, units = tuple("klmn")[:dependencies], ("m",) * dependencies
+        vectors = np.random.default_rng(1).random((9, dependencies))
+        assert blending.fig06(vectors, np.arange(9) > 4, names, units, {3: grid}, space).axes
+
+
+def test_the_slice_goes_through_the_best_cell() -> None:
+    grid = inputs.suitability()
+    best = np.unravel_index(np.argmax(grid), grid.shape)
+    values = np.array(inputs.space().axes[0].values)
+    for ax, pair in zip(maps.fig05(grid, inputs.space()).axes[1:4], ((0, 1), (0, 2), (1, 2)), strict=True):
+        ring = ax.get_lines()[0].get_xydata()[0]
+        assert ring.tolist() == pytest.approx([values[best[pair[0]]], values[best[pair[1]]]])
+        shown = np.asarray(ax.collections[0].get_array()).reshape(4, 4).T
+        assert shown[best[pair[0]], best[pair[1]]] == grid.max()
+
+
+def without_values(frame: pd.DataFrame) -> pd.DataFrame:
+    """The same table with every number missing."""
+    return frame.assign(**dict.fromkeys(frame.select_dtypes("number").columns, np.nan))
+
+
+BLANK: dict[str, Callable[[Callable[[pd.DataFrame], pd.DataFrame]], Figure]] = {
+    "fig03": lambda empty: capture.fig03(empty(inputs.classes())),
+    "fig04": lambda empty: capture.fig04(inputs.walks(), empty(inputs.samples()), {}),
+    "dependency_clouds": lambda empty: blending.dependency_clouds(
+        empty(inputs.clouds()), inputs.clouds(), {}, dict(zip(inputs.NAMES, inputs.UNITS, strict=True))
+    ),
+    "fig10": lambda empty: capture.fig10({"s": inputs.plan("s")}, {"s": empty(inputs.samples())}, {"s": inputs.simulated()}),
+    "fig11": lambda empty: evaluation.fig11(empty(inputs.trials()), inputs.description(), inputs.pairs(), {}),
+    "fig12": lambda empty: evaluation.fig12(inputs.trials(), empty(inputs.description()), inputs.pairs(), {}),
+    "fig13": lambda empty: evaluation.fig13(empty(inputs.ablations()), {}),
+    "fig14": lambda empty: evaluation.fig14(empty(inputs.sweep()), inputs.timings(), {}, {}),
+    "fig15": lambda empty: evaluation.fig15(empty(inputs.long_times()), inputs.long_published()),
+    "scores": lambda empty: real.fig_scores(empty(inputs.scores()), inputs.summary()),
+}
+
+
+@pytest.mark.parametrize("name", BLANK)
+@pytest.mark.parametrize("empty", [lambda frame: frame.iloc[:0], without_values], ids=["no rows", "only NaN"])
+def test_nothing_to_draw_is_an_error_not_a_blank_figure(name: str, empty: Callable[[pd.DataFrame], pd.DataFrame]) -> None:
+    with pytest.raises(InputError, match=r"^\w+: .+") as caught:
+        BLANK[name](empty)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_map_without_values_or_of_another_space_is_an_error() -> None:
+    with pytest.raises(InputError, match="no finite value"):
+        maps.fig05(np.full(inputs.space().shape, np.nan), inputs.space())
+    with pytest.raises(InputError, match="cells"):
+        maps.fig05(np.ones(7), inputs.space())
+    with pytest.raises(InputError, match="no rows"):
+        claims.fig_claims(inputs.claim_rows().iloc[:0])
+
+
+def test_long_distances_of_two_splits_are_not_mixed() -> None:
+    times = pd.concat([inputs.long_times().assign(split=split) for split in ("repetition", "participant")])
+    with pytest.raises(InputError, match="splits"):
+        evaluation.fig15(times, inputs.long_published())
+
+
+def test_walks_beyond_the_axis_are_counted() -> None:
+    late = inputs.trials()
+    late.loc[0, "abs_dt_s"] = 500.0
+    figure = evaluation.fig11(late, inputs.description(), inputs.pairs(), {})
+    notes = [text.get_text() for text in figure.axes[0].texts]
+    assert figure.axes[0].get_xlim()[1] < 10
+    beyond = int((late.loc[late["model"] == "P_Stat", "abs_dt_s"] > figure.axes[0].get_xlim()[1]).sum())
+    assert beyond >= 1
+    assert any(f"{beyond} beyond the axis" in note for note in notes)

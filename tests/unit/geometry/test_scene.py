@@ -1,0 +1,39 @@
+"""Obstacles from configuration."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from shapely import Point
+
+from walklab.errors import InputError
+from walklab.geometry.scene import disc, obstacle_from_config
+
+
+def test_shapes_have_the_area_they_describe() -> None:
+    assert obstacle_from_config("a", {"box": [0, 1, 3, 2]}).area == pytest.approx(3.0)
+    assert obstacle_from_config("b", {"polygon": [[0, 0], [4, 0], [0, 3]]}).area == pytest.approx(6.0)
+    circle = obstacle_from_config("c", {"circle": {"centre": [1, -2], "radius": 0.5}})
+    assert circle.centroid.distance(Point(1, -2)) < 1e-12
+    assert math.pi * 0.25 < circle.area < 1.02 * math.pi * 0.25
+
+
+@pytest.mark.parametrize("corners", [6, 16, 64])
+def test_a_disc_covers_the_circle_and_touches_it(corners: int) -> None:
+    shape = disc((0.3, 0.7), 0.4, corners)
+    assert shape.exterior.distance(Point(0.3, 0.7)) == pytest.approx(0.4)
+
+
+@pytest.mark.parametrize(
+    ("shape", "message"),
+    [
+        ({"square": [0, 0, 1, 1]}, "obstacle x: needs one of box, polygon or circle"),
+        ({"box": [0, 0, 0, 1]}, "obstacle x: its outline has no area"),
+        ({"polygon": [[0, 0], [1, 1], [1, 0], [0, 1]]}, "crosses itself"),
+        ({"circle": {"centre": [0, 0], "radius": 0}}, "no area"),
+    ],
+)
+def test_shapes_that_are_none_are_refused(shape: dict, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        obstacle_from_config("x", shape)

@@ -1,0 +1,90 @@
+"""A copy of the project to run the DAG in, so that a test may edit, kill and rerun."""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import shutil
+import subprocess
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+PARTS = ("Snakefile", "workflow", "config", "src", "examples", "tests/workflow/tiny.yaml", "README.md", "requirements.lock")
+# Measured times differ from run to run, everything else must not.
+MEASURED = ("benchmark.tsv", "log.txt", "timings.csv", "run.json", "claims.csv", "claims.html")
+
+
+@dataclass(frozen=True)
+class Project:
+    """A copy of the project in a folder of its own."""
+
+    folder: Path
+
+    def start(self, *arguments: str) -> subprocess.Popen[str]:
+        command = [sys.executable, "-m", "snakemake", "--logger", "snakemake", *arguments]
+        return subprocess.Popen(
+            command,
+            cwd=self.folder,
+            env=self.environment(),
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            start_new_session=True,
+        )
+
+    def run(self, *arguments: str, fails: bool = False) -> str:
+        """Run Snakemake to its end and return what it printed."""
+        process = self.start(*arguments)
+        output, _ = process.communicate(timeout=600)
+        assert (process.returncode != 0) == fails, output[-6000:]
+        return output
+
+    def environment(self) -> dict[str, str]:
+        # The copy's own source comes before the installed one.
+        return {**os.environ, "PYTHONPATH": str(self.folder / "src")}
+
+    def checksums(self, run: str = "tiny", skip: tuple[str, ...] = ()) -> dict[str, str]:
+        """SHA-256 of every data file of a run."""
+        base = self.folder / "results" / run
+        files = [path for path in base.rglob("*") if path.is_file() and path.name not in MEASURED]
+        kept = [path for path in files if path.suffix in {".parquet", ".nc", ".csv", ".json", ".safetensors"}]
+        return {
+            str(path.relative_to(base)): hashlib.sha256(path.read_bytes()).hexdigest()
+            for path in sorted(kept)
+            if not any(part in path.parts for part in skip)
+        }
+
+
+def copy_project(folder: Path) -> Project:
+    for part in PARTS:
+        source = ROOT / part
+        if source.is_dir():
+            shutil.copytree(source, folder / part, ignore=shutil.ignore_patterns("__pycache__"))
+        elif source.is_file():
+            (folder / part).parent.mkdir(parents=True, exist_ok=True)
+            shutil.copy2(source, folder / part)
+    return Project(folder)
+
+
+@pytest.fixture
+def project(tmp_path: Path) -> Project:
+    return copy_project(tmp_path)
+
+
+@pytest.fixture(scope="session")
+def finished(tmp_path_factory: pytest.TempPathFactory) -> Project:
+    """A copy in which the tiny study has run to its end; tests that change it take a copy of it."""
+    project = copy_project(tmp_path_factory.mktemp("finished"))
+    project.run("--cores", "2", "--configfile", "tests/workflow/tiny.yaml")
+    return project
+
+
+@pytest.fixture
+def finished_copy(finished: Project, tmp_path: Path) -> Project:
+    """A private copy of the finished run, with its times of modification."""
+    shutil.copytree(finished.folder, tmp_path / "copy", copy_function=shutil.copy2)
+    return Project(tmp_path / "copy")

@@ -1,0 +1,152 @@
+"""The DAG as its users run it: dry, whole, sharded, edited, killed and resumed."""
+
+import json
+import os
+import re
+import signal
+import time
+
+import pandas as pd
+import pytest
+
+pytestmark = pytest.mark.workflow
+
+TINY = ("--configfile", "tests/workflow/tiny.yaml")
+
+
+def jobs(output: str) -> set[str]:
+    """Names of the rules that a dry run would execute."""
+    table = output.split("Job stats:")[1] if "Job stats:" in output else ""
+    return set(re.findall(r"^(\w+)\s+\d+\s*$", table, flags=re.MULTILINE)) - {"total", "job"}
+
+
+def edit(path, old: str, new: str) -> None:
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new, 1))
+
+
+def test_a_dry_run_of_the_papers_study_plans_every_stage(project):
+    planned = jobs(project.run("--dry-run", "--cores", "2"))
+    assert {
+        "draw_participants",
+        "score_maps",
+        "build_space",
+        "fit_static",
+        "simulate_trials",
+        "check_claims",
+        "record_run",
+    } <= planned
+    assert "cross_validate" not in planned
+
+
+def test_the_whole_study_leaves_every_figure_table_and_record(finished):
+    results = finished.folder / "results/tiny"
+    for number in (3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15):
+        for suffix in ("svg", "png"):
+            assert (results / f"figures/fig{number:02d}.{suffix}").stat().st_size > 5_000
+    claims = pd.read_csv(results / "claims.csv")
+    assert {"id", "section", "statement", "published", "ours", "verdict", "note"} <= set(claims)
+    assert len(claims) > 50
+    run = json.loads((results / "run.json").read_text())
+    stages = {stage["stage"] for stage in run["stages"]}
+    assert {"score_maps", "simulate_trials"} <= stages
+    assert all(stage["wall_s"] >= 0 and stage["peak_memory_mb"] >= 0 for stage in run["stages"])
+    assert run["config"]["seed"] == run["seed"]
+
+
+def test_one_core_and_four_shards_give_the_same_data_as_two_and_two(finished, project):
+    project.run("--cores", "1", *TINY, "--config", "shards=4", "--until", "simulate_trials", "sweep_neighbours")
+    sharded = ("record_training", "extract_training", "plan_training", "score_maps")
+    ours, theirs = project.checksums(skip=sharded), finished.checksums(skip=sharded)
+    assert len(ours) > 10
+    assert ours == {name: theirs[name] for name in ours}
+    for stage, file in (("extract_training", "samples.parquet"), ("plan_training", "vectors.parquet")):
+        first, second = (
+            pd.concat(map(pd.read_parquet, (one.folder / f"results/tiny/0/{stage}").rglob(file))).sort_values(
+                ["walk"], kind="stable"
+            )
+            for one in (finished, project)
+        )
+        pd.testing.assert_frame_equal(first.reset_index(drop=True), second.reset_index(drop=True), check_exact=True)
+
+
+def test_nothing_is_left_to_do_after_a_run(finished_copy):
+    assert "Nothing to be done" in finished_copy.run("--dry-run", "--cores", "2", *TINY)
+
+
+def test_an_edited_comment_reruns_nothing_but_the_list_of_assumptions(finished_copy):
+    path = finished_copy.folder / "src/walklab/evaluation/production.py"
+    path.write_text(path.read_text() + "\n# a remark\n")
+    assert jobs(finished_copy.run("--dry-run", "--cores", "2", *TINY)) <= {"list_assumptions", "record_run", "all"}
+
+
+def test_an_edited_module_reruns_exactly_its_dependents(finished_copy):
+    edit(finished_copy.folder / "src/walklab/evaluation/production.py", "\nfrom ", "\nEDITED = True\nfrom ")
+    rerun = jobs(finished_copy.run("--dry-run", "--cores", "2", *TINY))
+    assert "estimate_saving" in rerun
+    assert rerun <= {"estimate_saving", "check_claims", "draw_claims", "render_tables", "list_assumptions", "record_run", "all"}
+
+
+def test_a_changed_parameter_reruns_its_stage_and_what_follows(finished_copy):
+    planned = jobs(finished_copy.run("--dry-run", "--cores", "2", *TINY, "--config", "leave_out={cells: 5}"))
+    assert "leave_out" in planned
+    assert not planned & {"score_maps", "build_space", "simulate_trials", "record_training"}
+
+
+def test_a_run_killed_with_sigkill_resumes_to_identical_results(finished, project):
+    arguments = ("--cores", "2", *TINY, "--until", "simulate_trials")
+    process = project.start(*arguments)
+    base = project.folder / "results/tiny/0"
+    deadline = time.monotonic() + 240
+    while time.monotonic() < deadline and not list(base.glob("score_maps/*/maps.nc")):
+        assert process.poll() is None, process.communicate()[0][-4000:]
+        time.sleep(0.05)
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+    assert not list(base.glob("simulate_trials/*/trials.parquet")), "killed too late to test anything"
+    project.run("--unlock", *TINY)
+    project.run(*arguments, "--rerun-incomplete")
+    ours, theirs = project.checksums(), finished.checksums()
+    assert any(name.startswith("0/simulate_trials") for name in ours)
+    assert ours == {name: theirs[name] for name in ours}
+    assert not [path for path in base.rglob(".*") if path.is_file()], "half-written files"
+
+
+PLANNERS = {
+    "two parameters, another planner": {
+        "planner": {"name": "social_force"},
+        "space": [
+            {"name": "v", "unit": "m/s", "values": [0.5, 1.0, 1.5]},
+            {"name": "tau", "unit": "s", "values": [0.3, 0.6, 1.2]},
+        ],
+    },
+    "four parameters": {
+        "space": [
+            {"name": "v", "unit": "m/s", "values": [0.5, 1.0, 1.5]},
+            {"name": "a", "unit": "m/s²", "values": [0.5, 1.0, 1.5]},
+            {"name": "omega", "unit": "1/m", "values": [0.8, 1.6]},
+            {"name": "b", "unit": "m/s²", "values": [0.5, 1.5]},
+        ],
+    },
+}
+
+
+@pytest.mark.parametrize("name", PLANNERS)
+def test_another_planner_needs_only_configuration(project, name):
+    (project.folder / "planner.yaml").write_text(json.dumps(PLANNERS[name]))
+    project.run("--cores", "2", "--configfile", "tests/workflow/tiny.yaml", "planner.yaml", "--until", "simulate_trials")
+    trials = pd.read_parquet(project.folder / "results/tiny/0/simulate_trials/scenario_1/trials.parquet")
+    names = [axis["name"] for axis in PLANNERS[name]["space"]]
+    assert set(names) <= set(trials.columns)
+    drawn = trials[trials["model"] == "P_Prob"]
+    for axis in PLANNERS[name]["space"]:
+        assert drawn[axis["name"]].between(axis["values"][0], axis["values"][-1]).all()
+    assert drawn[names].drop_duplicates().shape[0] > 5
+
+
+def test_own_walks_go_through_the_same_chain(project):
+    project.run("--cores", "2", "--configfile", "config/own.yaml", "tests/workflow/tiny.yaml", "--config", "run=own")
+    scores = pd.read_csv(project.folder / "results/own/scores.csv")
+    assert {"P_Stat", "P_Adapt", "P_Prob"} <= set(scores["model"])
+    assert scores.groupby("model")["participant"].nunique().min() >= 2

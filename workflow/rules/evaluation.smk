@@ -1,0 +1,182 @@
+"""Trials, statistics, the analyses of section 8 and the verdict on each claim."""
+
+MODEL_INPUTS = {
+    "walks": stage("extract_scenario", "walks.parquet", "scenario"),
+    "samples": stage("extract_scenario", "samples.parquet", "scenario"),
+    "routes": stage("plan_scenario", "routes.parquet", "scenario"),
+    "vectors": stage("plan_scenario", "vectors.parquet", "scenario"),
+    "model": rules.train_model.output.model,
+    "static": rules.fit_static.output.static,
+}
+# The studies of section 8 are all made on the first scenario, as in the paper.
+FIRST_SCENARIO = {name: path.replace("{scenario}", SCENARIOS[0]) for name, path in MODEL_INPUTS.items()}
+TRIALS = section("seed", "planner", "space", "dependencies", "standing", "metric")
+
+
+rule simulate_trials:
+    input:
+        **MODEL_INPUTS,
+    params:
+        code=code("simulate_trials.py"),
+        **TRIALS,
+    output:
+        trials=stage("simulate_trials", "trials.parquet", "scenario"),
+    log:
+        stage("simulate_trials", "log.txt", "scenario"),
+    benchmark:
+        stage("simulate_trials", "benchmark.tsv", "scenario")
+    script:
+        "../scripts/simulate_trials.py"
+
+
+rule compare_models:
+    input:
+        trials=rules.simulate_trials.output.trials,
+    params:
+        code=code("compare_models.py"),
+        **section("seed", "statistics"),
+    output:
+        description=stage("compare_models", "description.csv", "scenario"),
+        description_by_hull=stage("compare_models", "description_by_hull.csv", "scenario"),
+        percentiles=stage("compare_models", "percentiles.csv", "scenario"),
+        reductions=stage("compare_models", "reductions.csv", "scenario"),
+        comparisons=stage("compare_models", "comparisons.csv", "scenario"),
+        mixed=stage("compare_models", "mixed_model.csv", "scenario"),
+    log:
+        stage("compare_models", "log.txt", "scenario"),
+    benchmark:
+        stage("compare_models", "benchmark.tsv", "scenario")
+    script:
+        "../scripts/compare_models.py"
+
+
+rule ablate_parameters:
+    input:
+        **FIRST_SCENARIO,
+        training_walks=expand(stage(WALKS, "walks.parquet", "shard"), shard=SHARDS, allow_missing=True),
+        training_samples=expand(stage(WALKS, "samples.parquet", "shard"), shard=SHARDS, allow_missing=True),
+        training_routes=expand(rules.plan_training.output.routes, shard=SHARDS, allow_missing=True),
+        maps=expand(rules.score_maps.output.maps, shard=SHARDS, allow_missing=True),
+    params:
+        code=code("ablate_parameters.py"),
+        **TRIALS,
+        **section("blending_space", "model", "ablate_parameters", "statistics"),
+    output:
+        ablations=stage("ablate_parameters", "ablations.csv"),
+        trials=stage("ablate_parameters", "trials.parquet"),
+    log:
+        stage("ablate_parameters", "log.txt"),
+    benchmark:
+        stage("ablate_parameters", "benchmark.tsv")
+    script:
+        "../scripts/ablate_parameters.py"
+
+
+rule leave_out:
+    input:
+        space=rules.build_space.output.space,
+        maps=expand(rules.score_maps.output.maps, shard=SHARDS, allow_missing=True),
+    params:
+        code=code("leave_out.py"),
+        **section("seed", "dependencies", "blending_space", "model", "leave_out", "statistics"),
+    output:
+        summary=stage("leave_out", "summary.csv"),
+        errors=stage("leave_out", "errors.parquet"),
+    log:
+        stage("leave_out", "log.txt"),
+    benchmark:
+        stage("leave_out", "benchmark.tsv")
+    script:
+        "../scripts/leave_out.py"
+
+
+rule sweep_neighbours:
+    input:
+        **FIRST_SCENARIO,
+    params:
+        code=code("sweep_neighbours.py"),
+        **TRIALS,
+        **section("sweep_neighbours", "statistics"),
+    output:
+        errors=stage("sweep_neighbours", "errors.csv"),
+        trials=stage("sweep_neighbours", "trials.parquet"),
+        # A measured time differs from run to run; it is kept apart from the data files, which do not.
+        timings=stage("sweep_neighbours", "timings.csv"),
+    log:
+        stage("sweep_neighbours", "log.txt"),
+    benchmark:
+        stage("sweep_neighbours", "benchmark.tsv")
+    script:
+        "../scripts/sweep_neighbours.py"
+
+
+rule simulate_long_distance:
+    input:
+        times=rules.record_long_distance.output.times,
+    params:
+        code=code("simulate_long_distance.py"),
+        **section("seed", "long_distance", "statistics", "standing"),
+    output:
+        draws=stage("simulate_long_distance", "draws.parquet"),
+        table=stage("simulate_long_distance", "table.csv"),
+        optimum=stage("simulate_long_distance", "optimum.csv"),
+    log:
+        stage("simulate_long_distance", "log.txt"),
+    benchmark:
+        stage("simulate_long_distance", "benchmark.tsv")
+    script:
+        "../scripts/simulate_long_distance.py"
+
+
+rule count_distances:
+    input:
+        vectors=expand(rules.plan_scenario.output.vectors, scenario=SCENARIOS, allow_missing=True),
+    params:
+        code=code("count_distances.py"),
+        **section("scenarios"),
+    output:
+        classes=stage("count_distances", "classes.csv"),
+    log:
+        stage("count_distances", "log.txt"),
+    benchmark:
+        stage("count_distances", "benchmark.tsv")
+    script:
+        "../scripts/count_distances.py"
+
+
+rule estimate_saving:
+    input:
+        trials=rules.simulate_trials.output.trials.replace("{scenario}", SCENARIOS[0]),
+    params:
+        code=code("estimate_saving.py"),
+        **section("seed", "statistics"),
+    output:
+        saving=stage("estimate_saving", "saving.csv"),
+    log:
+        stage("estimate_saving", "log.txt"),
+    benchmark:
+        stage("estimate_saving", "benchmark.tsv")
+    script:
+        "../scripts/estimate_saving.py"
+
+
+rule cross_validate:
+    input:
+        maps=expand(rules.score_maps.output.maps, shard=SHARDS, allow_missing=True),
+        walks=expand(stage(WALKS, "walks.parquet", "shard"), shard=SHARDS, allow_missing=True),
+        samples=expand(stage(WALKS, "samples.parquet", "shard"), shard=SHARDS, allow_missing=True),
+        routes=expand(rules.plan_training.output.routes, shard=SHARDS, allow_missing=True),
+    params:
+        code=code("cross_validate.py"),
+        **TRIALS,
+        **section("blending_space", "model", "fit_static", "cross_validate", "statistics"),
+    output:
+        predictions=stage("cross_validate", "predictions.parquet"),
+        scores=stage("cross_validate", "scores.csv"),
+        summary=stage("cross_validate", "summary.csv"),
+    log:
+        stage("cross_validate", "log.txt"),
+    benchmark:
+        stage("cross_validate", "benchmark.tsv")
+    script:
+        "../scripts/cross_validate.py"

@@ -1,0 +1,245 @@
+"""Figures of replicate 0, each the counterpart of one of the paper's."""
+
+PAPER = "config/papers/agethen_steering.yaml"
+
+TRAINING = {
+    "walks": expand(first(stage(WALKS, "walks.parquet", "shard")), shard=SHARDS),
+    "samples": expand(first(stage(WALKS, "samples.parquet", "shard")), shard=SHARDS),
+    "vectors": expand(first(rules.plan_training.output.vectors), shard=SHARDS),
+    "maps": expand(first(rules.score_maps.output.maps), shard=SHARDS),
+}
+SCENARIO_FILES = {
+    name: expand(first(MODEL_INPUTS[name]), scenario=SCENARIOS) for name in ("walks", "samples", "routes", "vectors")
+}
+
+
+def figure(name, category):
+    """A figure as SVG, which the report shows, and PNG."""
+    caption = f"../report/{name}.rst"
+    shown = report(f"{RUN}/figures/{name}.svg", caption=caption, category=category, labels={"figure": name})
+    return [shown, f"{RUN}/figures/{name}.png"]
+
+
+rule draw_fig03:
+    input:
+        classes=first(rules.count_distances.output.classes),
+        paper=PAPER,
+    params:
+        code=code("draw_fig03.py"),
+    output:
+        figure("fig03", "Setting"),
+    log:
+        f"{RUN}/figures/logs/fig03.txt",
+    script:
+        "../scripts/draw_fig03.py"
+
+
+rule draw_fig04:
+    input:
+        walks=TRAINING["walks"],
+        samples=TRAINING["samples"],
+        plans=rules.record_training.input.plans,
+    params:
+        code=code("draw_fig04.py"),
+    output:
+        figure("fig04", "Capture"),
+    log:
+        f"{RUN}/figures/logs/fig04.txt",
+    script:
+        "../scripts/draw_fig04.py"
+
+
+rule draw_fig05:
+    input:
+        maps=TRAINING["maps"],
+    params:
+        code=code("draw_fig05.py"),
+        **section("blending_space"),
+    output:
+        figure("fig05", "Model"),
+    log:
+        f"{RUN}/figures/logs/fig05.txt",
+    script:
+        "../scripts/draw_fig05.py"
+
+
+rule draw_fig06:
+    input:
+        space=first(rules.build_space.output.space),
+    params:
+        code=code("draw_fig06.py"),
+    output:
+        figure("fig06", "Model"),
+    log:
+        f"{RUN}/figures/logs/fig06.txt",
+    script:
+        "../scripts/draw_fig06.py"
+
+
+rule draw_dependency_clouds:
+    input:
+        training=TRAINING["vectors"],
+        scenarios=SCENARIO_FILES["vectors"],
+    params:
+        code=code("draw_dependency_clouds.py"),
+        **section("dependencies"),
+    output:
+        figure("dependency_clouds", "Model"),
+    log:
+        f"{RUN}/figures/logs/dependency_clouds.txt",
+    script:
+        "../scripts/draw_dependency_clouds.py"
+
+
+rule draw_fig08:
+    input:
+        model=first(rules.train_model.output.model),
+    params:
+        code=code("draw_fig08.py"),
+        **section("draw_fig08"),
+    output:
+        figure("fig08", "Model"),
+    log:
+        f"{RUN}/figures/logs/fig08.txt",
+    script:
+        "../scripts/draw_fig08.py"
+
+
+rule draw_fig09:
+    input:
+        **{name: first(path) for name, path in FIRST_SCENARIO.items()},
+    params:
+        code=code("draw_fig09.py"),
+        **TRIALS,
+    output:
+        figure("fig09", "Model"),
+    log:
+        f"{RUN}/figures/logs/fig09.txt",
+    script:
+        "../scripts/draw_fig09.py"
+
+
+rule draw_fig10:
+    input:
+        **SCENARIO_FILES,
+        model=first(rules.train_model.output.model),
+        static=first(rules.fit_static.output.static),
+        plans=list(CONFIG["scenarios"].values()),
+    params:
+        code=code("draw_fig10.py"),
+        **section("seed", "scenarios", "planner", "space", "dependencies"),
+    output:
+        figure("fig10", "Evaluation"),
+    log:
+        f"{RUN}/figures/logs/fig10.txt",
+    script:
+        "../scripts/draw_fig10.py"
+
+
+rule draw_fig13:
+    input:
+        ablations=first(rules.ablate_parameters.output.ablations),
+        paper=PAPER,
+    params:
+        code=code("draw_fig13.py"),
+    output:
+        figure("fig13", "Analyses"),
+    log:
+        f"{RUN}/figures/logs/fig13.txt",
+    script:
+        "../scripts/draw_fig13.py"
+
+
+rule draw_fig14:
+    input:
+        errors=first(rules.sweep_neighbours.output.errors),
+        timings=first(rules.sweep_neighbours.output.timings),
+        paper=PAPER,
+    params:
+        code=code("draw_fig14.py"),
+    output:
+        figure("fig14", "Analyses"),
+    log:
+        f"{RUN}/figures/logs/fig14.txt",
+    script:
+        "../scripts/draw_fig14.py"
+
+
+rule draw_fig15:
+    input:
+        draws=first(rules.simulate_long_distance.output.draws),
+        paper=PAPER,
+    params:
+        code=code("draw_fig15.py"),
+    output:
+        figure("fig15", "Analyses"),
+    log:
+        f"{RUN}/figures/logs/fig15.txt",
+    script:
+        "../scripts/draw_fig15.py"
+
+
+rule draw_claims:
+    input:
+        claims=rules.check_claims.output.claims,
+    params:
+        code=code("draw_claims.py"),
+    output:
+        figure("claims", "Verdicts"),
+    log:
+        f"{RUN}/figures/logs/claims.txt",
+    script:
+        "../scripts/draw_claims.py"
+
+
+rule draw_scores:
+    input:
+        scores=first(rules.cross_validate.output.scores),
+        summary=first(rules.cross_validate.output.summary),
+    params:
+        code=code("draw_scores.py"),
+    output:
+        figure("scores", "Evaluation"),
+    log:
+        f"{RUN}/figures/logs/scores.txt",
+    script:
+        "../scripts/draw_scores.py"
+
+
+rule draw_fig11:
+    input:
+        trials=first(rules.simulate_trials.output.trials).replace("{scenario}", SCENARIOS[0]),
+        description=first(rules.compare_models.output.description).replace("{scenario}", SCENARIOS[0]),
+        comparisons=first(rules.compare_models.output.comparisons).replace("{scenario}", SCENARIOS[0]),
+        paper=PAPER,
+    params:
+        code=code("draw_errors.py"),
+        scenario=SCENARIOS[0],
+        position=0,
+        name="fig11",
+    output:
+        figure("fig11", "Evaluation"),
+    log:
+        f"{RUN}/figures/logs/fig11.txt",
+    script:
+        "../scripts/draw_errors.py"
+
+
+rule draw_fig12:
+    input:
+        trials=first(rules.simulate_trials.output.trials).replace("{scenario}", SCENARIOS[1]),
+        description=first(rules.compare_models.output.description).replace("{scenario}", SCENARIOS[1]),
+        comparisons=first(rules.compare_models.output.comparisons).replace("{scenario}", SCENARIOS[1]),
+        paper=PAPER,
+    params:
+        code=code("draw_errors.py"),
+        scenario=SCENARIOS[1],
+        position=1,
+        name="fig12",
+    output:
+        figure("fig12", "Evaluation"),
+    log:
+        f"{RUN}/figures/logs/fig12.txt",
+    script:
+        "../scripts/draw_errors.py"
+

@@ -1,0 +1,62 @@
+"""What a run consists of, what it will cost, and the record of what it was."""
+
+# The paper's figures and tables, in its order.
+STEERING = [
+    *(f"{RUN}/figures/fig{number}.svg" for number in ("03", "04", "05", "06", "08", "09", "10", "11", "12", "13", "14", "15")),
+    f"{RUN}/figures/dependency_clouds.svg",
+    f"{RUN}/figures/claims.svg",
+    f"{RUN}/claims.csv",
+    *(f"{RUN}/tables/{name}.html" for name in TABLES),
+    *expand(rules.simulate_trials.output.trials, scenario=SCENARIOS, replicate=REPLICATES),
+]
+# Leave-one-subject-out on real or own walks.
+REAL = [
+    f"{RUN}/scores.csv",
+    f"{RUN}/summary.csv",
+    f"{RUN}/figures/scores.svg",
+    f"{RUN}/figures/fig05.svg",
+    f"{RUN}/figures/fig06.svg",
+    first(rules.train_model.output.model),
+]
+
+
+rule publish_scores:
+    input:
+        scores=first(rules.cross_validate.output.scores),
+        summary=first(rules.cross_validate.output.summary),
+    output:
+        scores=report(f"{RUN}/scores.csv", caption="../report/table.rst", category="Tables"),
+        summary=report(f"{RUN}/summary.csv", caption="../report/table.rst", category="Tables"),
+    log:
+        f"{RUN}/logs/publish_scores.txt",
+    shell:
+        "cp {input.scores} {output.scores} && cp {input.summary} {output.summary} 2> {log}"
+
+
+def benchmarks(wildcards, input):
+    """Benchmark files of every job that led to the results."""
+    return sorted(str(path) for path in Path(RUN).glob("[0-9]*/**/benchmark.tsv"))
+
+
+rule record_run:
+    input:
+        STEERING if SYNTHETIC else REAL,
+    params:
+        code=code("record_run.py"),
+        config=CONFIG,
+        root=str(ROOT),
+        benchmarks=benchmarks,
+    output:
+        record=f"{RUN}/run.json",
+    log:
+        f"{RUN}/logs/record_run.txt",
+    script:
+        "../scripts/record_run.py"
+
+
+onstart:
+    print(announce())
+
+
+onsuccess:
+    print(f"Results are in {RUN}/. Next: snakemake --report {RUN}/report.html")

@@ -1,0 +1,38 @@
+"""Take each dependency and each steering parameter away and see what it contributed (8.1)."""
+
+from adapter import job
+from map_inputs import all_maps, indexed_vectors, settings_of
+from trial_inputs import trial_inputs
+from walk_inputs import all_routes, all_walks
+from walklab.evaluation.ablations import ablated_models, ablation_table
+from walklab.evaluation.trials import simulate_trials
+from walklab.randomness import generator
+from walklab.steering.io import read_model, read_static_fit
+from walklab.steering.routes import pack
+from walklab.steering.suitability import score_walks
+from walklab.storage import write_table
+
+if __name__ == "__main__":
+    with job(snakemake):
+        inputs, params, files = trial_inputs(snakemake), snakemake.params, snakemake.input
+        maps = all_maps(files.maps)
+        vectors = indexed_vectors(maps.vectors, params.dependencies)
+        batch = pack(all_walks(files.training_walks, files.training_samples), all_routes(files.training_routes), inputs.planner)
+        settings = settings_of(params.blending_space, params.model)
+        middle = dict(zip(inputs.space.names, inputs.space.bounds.mean(axis=1), strict=True))
+        static = read_static_fit(files.static)
+        held = middle if params.ablate_parameters["fixed"] == "middle" else dict(zip(static.names, static.optimum, strict=True))
+
+        def score(cells):
+            return score_walks(inputs.planner, batch, cells, inputs.metric, inputs.time_limit_s)
+
+        models = ablated_models(
+            maps.scores, vectors, maps.participants, inputs.space, settings, score, held, inputs.seed, inputs.replicate
+        )
+        full = read_model(files.model)
+        trials = simulate_trials(
+            {"full": full, **models}, **inputs.arguments(), inside=full.inside(inputs.vectors), stream="P_Prob"
+        )
+        rng = generator(inputs.seed, inputs.replicate, "ablate_parameters")
+        write_table(trials, snakemake.output.trials)
+        write_table(ablation_table(trials, rng, held, params.statistics["bootstraps"]), snakemake.output.ablations)

@@ -1,0 +1,36 @@
+"""What the capture scripts make of their parameters."""
+
+from collections.abc import Iterable, Mapping
+
+import pandas as pd
+
+from walklab.capture.constants import WalkerConstants, without_dependency_effects, without_repetition_variation
+from walklab.capture.io import read_participants
+from walklab.geometry.plans import OPEN, Plan, load_plan
+
+
+def constants_of(generator: Mapping[str, bool]) -> WalkerConstants:
+    """The generator's constants with the switches of the negative controls applied."""
+    constants = WalkerConstants()
+    if not generator["dependency_effects"]:
+        constants = without_dependency_effects(constants)
+    if not generator["repetition_variation"]:
+        constants = without_repetition_variation(constants)
+    return constants
+
+
+def participants_of_group(path: str, group: str) -> pd.DataFrame:
+    """The participants of one group."""
+    everyone = read_participants(path)
+    return everyone[everyone["participant"].str.startswith(f"{group}_")].reset_index(drop=True)
+
+
+def participants_of_shard(everyone: pd.DataFrame, shard: int, shards: int) -> pd.DataFrame:
+    """Every ``shards``-th participant."""
+    return everyone.iloc[shard::shards].reset_index(drop=True)
+
+
+def plans_by_scene(paths: Iterable[str]) -> dict[str, Plan]:
+    """Plan views by scene name, with the empty scene."""
+    plans = [load_plan(path) for path in paths]
+    return {"open": OPEN, **{plan.scene.name: plan for plan in plans}}

@@ -1,0 +1,12 @@
+"""Published figures, as the figure scripts draw them beside ours."""
+
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+
+def published(path: str) -> tuple[dict[str, Any], dict[str, Any]]:
+    """The ``inputs`` and the ``claims`` of a paper."""
+    paper = yaml.safe_load(Path(path).read_text())
+    return paper["inputs"], paper["claims"]

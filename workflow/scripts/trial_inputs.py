@@ -1,0 +1,58 @@
+"""What the scripts of the evaluation make of the files and parameters they share."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+from numpy.typing import NDArray
+
+from map_inputs import indexed_vectors
+from planner_inputs import planner_of
+from walklab.capture.walks import Walk, read_walks
+from walklab.geometry.standing import Standing
+from walklab.planning.io import read_routes
+from walklab.planning.protocol import Planner
+from walklab.steering.space import ParameterSpace
+from walklab.storage import read_table
+
+
+@dataclass(frozen=True)
+class TrialInputs:
+    """The walks of a scenario, their routes and run-time dependencies, and the planner that re-simulates them."""
+
+    walks: list[Walk]
+    routes: dict[str, NDArray]
+    vectors: NDArray
+    planner: Planner
+    space: ParameterSpace
+    standing: Standing
+    time_limit_s: float
+    metric: str
+    seed: int
+    replicate: int
+
+    def arguments(self) -> dict[str, Any]:
+        """All but the models, as ``simulate_trials`` takes them."""
+        names = ("planner", "walks", "routes", "vectors", "standing", "time_limit_s", "metric", "seed", "replicate")
+        return {name: getattr(self, name) for name in names}
+
+
+def trial_inputs(snakemake: Any) -> TrialInputs:
+    """Read what the rule names. Run-time dependencies are always the planned ones (7.3)."""
+    params, files = snakemake.params, snakemake.input
+    planner, space = planner_of(params.planner, params.space)
+    walks = read_walks(files.walks, files.samples)
+    table: pd.DataFrame = read_table(files.vectors).set_index("walk").loc[[walk.row["walk"] for walk in walks]]
+    vectors = indexed_vectors(table, params.dependencies, index="planned").to_numpy()
+    return TrialInputs(
+        walks,
+        read_routes(files.routes),
+        vectors,
+        planner,
+        space,
+        Standing(**params.standing),
+        params.planner["time_limit_s"],
+        params.metric,
+        params.seed,
+        int(snakemake.wildcards.replicate),
+    )
