@@ -29,6 +29,7 @@ def completed(config):
 
 
 CONFIG = completed(config)
+config.update(CONFIG)  # what the report's text sees
 RUN = f"results/{CONFIG['run']}"
 REPLICATES = range(CONFIG["replicates"])
 SHARDS = range(CONFIG["shards"])

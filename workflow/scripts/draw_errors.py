@@ -7,10 +7,13 @@ from walklab.figures.style import save
 from walklab.storage import read_table
 
 
-def published_tests(wilcoxon, position):
-    """The published tests of one scenario; powers are published as a pair, one for each scenario."""
+def published_tests(wilcoxon, scenario, position):
+    """The published tests of one scenario: powers are published as a pair, a bound of p for one scenario only."""
     return {
-        pair: {key: value[position] if isinstance(value, list) else value for key, value in figures.items()}
+        pair: {
+            key.removesuffix(f"_{scenario}"): value[position] if isinstance(value, list) else value
+            for key, value in figures.items()
+        }
         for pair, figures in wilcoxon.items()
     }
 
@@ -23,7 +26,7 @@ if __name__ == "__main__":
             read_table(snakemake.input.description),
             read_table(snakemake.input.comparisons),
             claims[f"{snakemake.params.scenario}_abs_dt_s"],
-            published_tests(claims["wilcoxon"], snakemake.params.position),
+            published_tests(claims["wilcoxon"], snakemake.params.scenario, snakemake.params.position),
             snakemake.params.name,
         )
         save(figure, *snakemake.output)

@@ -54,5 +54,5 @@ def trial_inputs(snakemake: Any) -> TrialInputs:
         params.planner["time_limit_s"],
         params.metric,
         params.seed,
-        int(snakemake.wildcards.replicate),
+        int(snakemake.wildcards.get("replicate", 0)),
     )

@@ -30,7 +30,9 @@ def capture_summary(walks: pd.DataFrame) -> pd.DataFrame:
 def rejection_counts(walks: pd.DataFrame) -> pd.DataFrame:
     """How many movements were left out for which reason: DataFrame[dataset, rejection, movements]."""
     rejected = walks[walks["rejection"] != ACCEPTED]
-    counts = rejected.groupby([dataset_of(rejected["walk"]).rename("dataset"), "rejection"], sort=True).size()
+    # Reasons carry their measure ("dropout of 0.38 s"); counted is the kind before it.
+    kinds = rejected["rejection"].str.replace(r"(:| of ).*", "", regex=True)
+    counts = rejected.groupby([dataset_of(rejected["walk"]).rename("dataset"), kinds], sort=True).size()
     return counts.rename("movements").reset_index()
 
 

@@ -139,7 +139,8 @@ def _frame(
         frame[name] = parameters[:, column]
     frame["captured_s"] = np.array([float(walk.row["duration_s"]) for walk in walks])
     frame["simulated_s"] = np.array([outcome[0] for outcome in outcomes])
-    frame["dt_s"] = frame["simulated_s"] - frame["captured_s"]
+    # Times are multiples of 1/60 and 1/120 s: without rounding, equal errors differ by float noise.
+    frame["dt_s"] = (frame["simulated_s"] - frame["captured_s"]).round(9)
     frame["abs_dt_s"] = frame["dt_s"].abs()
     frame["arrival"] = [outcome[1] for outcome in outcomes]
     frame[metric_column] = np.array([outcome[2] for outcome in outcomes])

@@ -102,7 +102,7 @@ def fig04(walks: pd.DataFrame, samples: pd.DataFrame, plans: Mapping[str, Plan])
     columns = len(turns) + bool(len(straight))
     figure = new_figure(DOUBLE_MM if columns > 2 else SINGLE_MM, 88)
     axes = figure.subplots(2, columns, squeeze=False, sharex="col", sharey="col")
-    for column, (scene, limits) in enumerate(zip(turns, _equal_windows(tracks, walks, turns), strict=True)):
+    for column, (scene, limits) in enumerate(zip(turns, _equal_windows(tracks, walks, plans, turns), strict=True)):
         rows = walks[walks["scene"] == scene]
         for ax in axes[:, column]:
             _draw_obstacles(ax, plans[scene])
@@ -121,11 +121,14 @@ def fig04(walks: pd.DataFrame, samples: pd.DataFrame, plans: Mapping[str, Plan])
     return figure
 
 
-def _equal_windows(tracks: Mapping[Any, np.ndarray], walks: pd.DataFrame, scenes: Sequence[str]) -> list[np.ndarray]:
+def _equal_windows(
+    tracks: Mapping[Any, np.ndarray], walks: pd.DataFrame, plans: Mapping[str, Plan], scenes: Sequence[str]
+) -> list[np.ndarray]:
     """Limits of each scene's panel, (2, 2) arrays, all of one width so that the panels have one scale."""
     boxes = []
     for scene in scenes:
-        places = np.concatenate(_known(tracks, list(walks.loc[walks["scene"] == scene, "walk"])))
+        stations = [np.array([station.position_m]) for station in plans[scene].stations.values()]
+        places = np.concatenate([*_known(tracks, list(walks.loc[walks["scene"] == scene, "walk"])), *stations])
         boxes.append((np.nanmin(places, axis=0), np.nanmax(places, axis=0)))
     half = max((float(np.max(high - low)) for low, high in boxes), default=1.0) / 2 + 0.25
     return [np.stack([(low + high) / 2 - half, (low + high) / 2 + half], axis=1) for low, high in boxes]
@@ -150,9 +153,9 @@ def _draw_stations(ax: Axes, plan: Plan) -> None:
     ends = {walk[1] for walk in plan.walks} or {name for name in plan.stations if name.startswith("end")}
     for name, station in plan.stations.items():
         place, angle = np.asarray(station.position_m), np.radians(station.facing_deg)
-        ahead = 0.5 * np.array([np.cos(angle), np.sin(angle)])
+        ahead = 0.3 * np.array([np.cos(angle), np.sin(angle)])
         tail = place - ahead if name in ends else place
-        ax.annotate("", tuple(tail + ahead), tuple(tail), arrowprops=ARROW)
+        ax.annotate("", tuple(tail + ahead), tuple(tail), arrowprops=ARROW, annotation_clip=True)
         ax.plot(*place, "o", mfc=BLACK if name in ends else "white", mec=BLACK, ms=3.5, mew=0.8, zorder=5)
 
 
@@ -221,7 +224,7 @@ def fig10(plans: Mapping[str, Plan], captured: Mapping[str, pd.DataFrame], simul
         letter(ax, index, set_label(name))
     handles = [Line2D([], [], color=BLACK, lw=0.5, alpha=0.5, label="captured walks")]
     for model in ordered_models(shown):
-        text = "captured walk simulated" if model == "Ref" else model_label(model)
+        text = "captured walk, re-simulated" if model == "Ref" else model_label(model)
         handles.append(Line2D([], [], color=colour(model), ls=DASHES.get(model, "-"), lw=1.4, marker="o", ms=2.6, label=text))
     figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), handlelength=2.4)
     return figure

@@ -83,7 +83,7 @@ def note(figure: Figure, left_mm: float, bottom_mm: float, index: int, text: str
     figure.text(x, y, f"{bold_letter(index)}  {text}", fontsize=7.5)
 
 
-def label_cube(ax: Any, labels: list[str], ticks: int = 4, pad: tuple[float, float, float] = (-9.0, -9.0, -11.5)) -> None:
+def label_cube(ax: Any, labels: list[str], ticks: int = 3, pad: tuple[float, float, float] = (-9.0, -9.0, -11.5)) -> None:
     """Name the three axes, close to them."""
     for axis, text, distance in zip((ax.xaxis, ax.yaxis, ax.zaxis), labels, pad, strict=True):
         axis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 5, 10]))

@@ -106,10 +106,15 @@ def _texts(ax: Axes, rows: pd.DataFrame) -> None:
         published = str(row["published"])
         write(1.32, place, published if numeric.iloc[place] else "in words", "right")
         if np.isfinite(row["ours"]):
-            write(1.56, place, f"{row['ours']:.3g}", "right")
+            write(1.56, place, _short(row["ours"]), "right")
         if np.isfinite(row["ours_low"]):
-            write(1.64, place, f"{row['ours_low']:.3g} … {row['ours_high']:.3g}")
+            write(1.64, place, f"{_short(row['ours_low'])} … {_short(row['ours_high'])}")
 
 
 def _shortened(text: str) -> str:
     return text if len(text) <= LABEL_CHARACTERS else f"{text[: LABEL_CHARACTERS - 1].rstrip()}…"
+
+
+def _short(value: float) -> str:
+    """Three significant digits; what is zero but for rounding is zero."""
+    return "0" if abs(value) < 1e-12 else f"{value:.3g}"

@@ -24,6 +24,7 @@ from walklab.figures.style import (
     model_label,
     new_figure,
     ordered_models,
+    plain_log_axis,
     require,
     styled,
     symbol,
@@ -232,9 +233,8 @@ def fig14(
         if stated:
             ax.plot(*np.array(stated).T, label="published", **PUBLISHED_MARK)
         ax.grid(axis="y")
+    plain_log_axis(bottom, 2.5)
     top.set(ylabel=ERROR, ylim=(0, None), xlim=(-0.5, len(counts) - 0.35))
-    bottom.set_yscale("log")
-    bottom.minorticks_off()
     bottom.set(xlabel=f"number of neighbours {symbol('k')} (1)", ylabel="interpolation time (ms)")
     bottom.set_xticks(range(len(counts)), [str(k) for k in counts])
     figure.legend(handles=_keys(), loc="outside upper right", ncols=2, handletextpad=0.3)
@@ -282,6 +282,7 @@ def fig15(times: pd.DataFrame, published: pd.DataFrame) -> Figure:
                 ax.plot(place + 0.38, median, label="published", **PUBLISHED_MARK)
         ax.set_xticks(range(len(models)), [model_label(name) for name in models])
         ax.set(ylabel="travel time (s)" if index == 0 else "", xlim=(-0.5, len(models) - 0.4))
+        plain_log_axis(ax, 2.5)
         ax.grid(axis="y")
         letter(ax, index, f"{distance:g} m")
     mark = Line2D([], [], color=PUBLISHED, lw=1.0, label="published median and interquartile range")

@@ -7,9 +7,10 @@ people with any common colour vision can tell apart.
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, ParamSpec
 
@@ -19,6 +20,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from numpy.typing import NDArray
 
 from walklab.errors import InputError
@@ -90,14 +92,21 @@ RC: Any = {
 P = ParamSpec("P")
 
 
+@contextlib.contextmanager
+def style() -> Iterator[None]:
+    """The style, whatever the caller's matplotlib settings are; matplotlib reads some of them only when it draws."""
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(RC)
+        yield
+
+
 def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
-    """Run a drawing function under the style, whatever the caller's matplotlib settings are."""
+    """Run a drawing function under the style and lay its figure out."""
 
     @functools.wraps(draw)
     def wrapper(*args: P.args, **kwargs: P.kwargs) -> Figure:
-        with matplotlib.rc_context():
-            matplotlib.rcdefaults()
-            matplotlib.rcParams.update(RC)
+        with style():
             return _settled(draw(*args, **kwargs))
 
     return wrapper
@@ -110,7 +119,8 @@ def _settled(figure: Figure) -> Figure:
     an SVG, which are digests of positions, would differ from run to run.
     """
     if isinstance(figure.get_layout_engine(), ConstrainedLayoutEngine):
-        figure.draw_without_rendering()
+        for _ in range(3):  # a new size may change the ticks, and these the size
+            figure.draw_without_rendering()
         figure.set_layout_engine("none")
         for ax in figure.axes:
             ax.set_position(tuple(round(value, 6) for value in ax.get_position(original=True).bounds))
@@ -125,7 +135,7 @@ def new_figure(width_mm: float, height_mm: float, constrained: bool = True) -> F
 
 def save(figure: Figure, path_svg: str | Path, path_png: str | Path, dpi: int = PNG_DPI) -> None:
     """Write a figure as SVG (text stays text) and PNG, atomically and without dates or versions."""
-    with matplotlib.rc_context(RC):
+    with style():
         with atomic_path(path_svg) as temporary:
             figure.savefig(temporary, format="svg", dpi=dpi, metadata={"Date": None, "Creator": None})
         with atomic_path(path_png) as temporary:
@@ -218,6 +228,20 @@ def letter(ax: Axes, index: int, text: str = "") -> None:
 def bold_letter(index: int) -> str:
     """a, b, c, ... in bold."""
     return f"$\\mathbf{{{'abcdefghijklmnopqrstuvwxyz'[index]}}}$"
+
+
+def plain_log_axis(ax: Axes, from_ratio: float) -> None:
+    """A logarithmic y axis with plain numbers, if the data span more than a ratio."""
+    low, high = ax.dataLim.ymin, ax.dataLim.ymax
+    if not (low > 0 and high / low >= from_ratio):
+        return
+    ax.set_yscale("log")
+    # A margin in the logarithm, and the finer steps only where they have room.
+    ax.set_ylim(low / (high / low) ** 0.06 / 1.02, high * (high / low) ** 0.06 * 1.02)
+    steps = (1.0,) if high / low > 300 else (1.0, 2.0, 5.0) if high / low > 15 else (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)
+    ax.yaxis.set_major_locator(LogLocator(subs=steps))
+    ax.yaxis.set_minor_locator(NullLocator())
+    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
 
 
 def spread(count: int, width: float) -> Array:

@@ -20,7 +20,7 @@ from walklab.errors import InputError
 from walklab.geometry.scene import Body, Scene, Task
 from walklab.planning.following_kernel import AT_END, CONSTANT, PROPORTIONAL, Rule, follow_route, sweep
 from walklab.planning.protocol import Arrival, Trajectory, WalkBatch
-from walklab.planning.routes import RouteFinder, prepare_route
+from walklab.planning.routes import RouteFinder, prepare_route, prepare_routes
 
 Array = NDArray[np.float64]
 
@@ -159,13 +159,12 @@ class PathFollowing:
         if not math.isclose(batch.step_s, self.step_s):
             raise InputError(f"walks sampled every {batch.step_s:.6f} s, planner steps {self.step_s:.6f} s; resample the walks")
         values = self.kernel_parameters(cells)
-        routes = [prepare_route(route) for route in np.split(batch.routes_m, batch.route_offsets[1:-1])] if len(batch) else []
-        if not routes:
+        if not len(batch):
             return np.empty((0, len(values)))
-        offsets = np.concatenate([[0], np.cumsum([len(route) for route in routes])])
+        routes, offsets = prepare_routes(_floats(batch.routes_m), batch.route_offsets.astype(np.int64))
         return sweep(
-            np.concatenate(routes),
-            offsets.astype(np.int64),
+            routes,
+            offsets,
             _floats(batch.captured_m),
             batch.captured_offsets.astype(np.int64),
             (_floats(batch.start_speeds_m_s), _floats(batch.end_speeds_m_s)),

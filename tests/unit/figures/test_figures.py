@@ -19,7 +19,7 @@ from matplotlib.text import Text
 
 from walklab.errors import InputError
 from walklab.figures import blending, capture, claims, evaluation, maps, real
-from walklab.figures.style import DOUBLE_MM, MODEL_COLOURS, SINGLE_MM, save
+from walklab.figures.style import DOUBLE_MM, MODEL_COLOURS, SINGLE_MM, save, style
 
 every_figure = pytest.mark.parametrize("draw", FIGURES.values(), ids=FIGURES)
 
@@ -53,7 +53,8 @@ def test_fits_a_column_and_cuts_nothing_off(draw: Callable[[], Figure], monkeypa
     original = Text.draw
     monkeypatch.setattr(Text, "draw", lambda text, renderer: (drawn.append(text), original(text, renderer)))
     canvas = FigureCanvasAgg(figure)
-    canvas.draw()
+    with style():
+        canvas.draw()
     frame = figure.bbox
     texts = [text for text in drawn if text.get_visible() and text.get_text().strip()]
     assert texts
@@ -204,3 +205,14 @@ def test_walks_beyond_the_axis_are_counted() -> None:
     beyond = int((late.loc[late["model"] == "P_Stat", "abs_dt_s"] > figure.axes[0].get_xlim()[1]).sum())
     assert beyond >= 1
     assert any(f"{beyond} beyond the axis" in note for note in notes)
+
+
+def test_a_wide_spread_turns_the_time_axis_logarithmic_without_hiding_anything() -> None:
+    times = inputs.long_times()
+    narrow = evaluation.fig15(times, inputs.long_published()).axes[0]
+    times.loc[times["model"] == "P_Prob", "travel_time_s"] = [6.0, 13.0, 90.0]
+    wide = evaluation.fig15(times, inputs.long_published()).axes[0]
+    assert (narrow.get_yscale(), wide.get_yscale()) == ("linear", "log")
+    data = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in wide.get_lines()])
+    assert wide.get_ylim()[0] < data.min()
+    assert data.max() < wide.get_ylim()[1]
