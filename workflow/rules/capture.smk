@@ -16,15 +16,15 @@ def source_files(wildcards):
 
 
 rule draw_participants:
-    params:
-        code=code("draw_participants.py"),
-        **section("seed", "participants"),
     output:
         participants=stage("draw_participants", "participants.parquet"),
     log:
         stage("draw_participants", "log.txt"),
     benchmark:
         stage("draw_participants", "benchmark.tsv")
+    params:
+        **section("seed", "participants"),
+        code=code("draw_participants.py"),
     script:
         "../scripts/draw_participants.py"
 
@@ -33,9 +33,6 @@ rule record_training:
     input:
         participants=rules.draw_participants.output.participants,
         plans=expand("config/scenes/{turn}.yaml", turn=TURNS),
-    params:
-        code=code("record_training.py"),
-        **section("seed", "record_training", "generator", "shards"),
     output:
         recording=stage("record_training", "recording.parquet", "shard"),
         truth=stage("record_training", "truth.parquet", "shard"),
@@ -43,6 +40,9 @@ rule record_training:
         stage("record_training", "log.txt", "shard"),
     benchmark:
         stage("record_training", "benchmark.tsv", "shard")
+    params:
+        **section("seed", "record_training", "generator", "shards"),
+        code=code("record_training.py"),
     script:
         "../scripts/record_training.py"
 
@@ -51,9 +51,6 @@ rule record_scenario:
     input:
         participants=rules.draw_participants.output.participants,
         plan=lambda wildcards: CONFIG["scenarios"][wildcards.scenario],
-    params:
-        code=code("record_scenario.py"),
-        **section("seed", "record_scenario", "generator"),
     output:
         poses=stage("record_scenario", "poses.parquet", "scenario"),
         truth=stage("record_scenario", "truth.parquet", "scenario"),
@@ -61,6 +58,9 @@ rule record_scenario:
         stage("record_scenario", "log.txt", "scenario"),
     benchmark:
         stage("record_scenario", "benchmark.tsv", "scenario")
+    params:
+        **section("seed", "record_scenario", "generator"),
+        code=code("record_scenario.py"),
     script:
         "../scripts/record_scenario.py"
 
@@ -68,15 +68,15 @@ rule record_scenario:
 rule record_long_distance:
     input:
         participants=rules.draw_participants.output.participants,
-    params:
-        code=code("record_long_distance.py"),
-        **section("seed", "record_long_distance", "generator"),
     output:
         times=stage("record_long_distance", "times.parquet"),
     log:
         stage("record_long_distance", "log.txt"),
     benchmark:
         stage("record_long_distance", "benchmark.tsv")
+    params:
+        **section("seed", "record_long_distance", "generator"),
+        code=code("record_long_distance.py"),
     script:
         "../scripts/record_long_distance.py"
 
@@ -87,9 +87,6 @@ rule extract_training:
         recording=rules.record_training.output.recording,
         truth=rules.record_training.output.truth,
         plans=rules.record_training.input.plans,
-    params:
-        code=code("extract_training.py"),
-        **section("record_training", "extract_walks", "standing", "dependencies"),
     output:
         walks=stage("extract_training", "walks.parquet", "shard"),
         samples=stage("extract_training", "samples.parquet", "shard"),
@@ -98,6 +95,9 @@ rule extract_training:
         stage("extract_training", "log.txt", "shard"),
     benchmark:
         stage("extract_training", "benchmark.tsv", "shard")
+    params:
+        **section("record_training", "extract_walks", "standing", "dependencies"),
+        code=code("extract_training.py"),
     script:
         "../scripts/extract_training.py"
 
@@ -108,9 +108,6 @@ rule extract_scenario:
         poses=rules.record_scenario.output.poses,
         truth=rules.record_scenario.output.truth,
         plan=rules.record_scenario.input.plan,
-    params:
-        code=code("extract_scenario.py"),
-        **section("record_scenario", "extract_walks", "standing", "dependencies"),
     output:
         walks=stage("extract_scenario", "walks.parquet", "scenario"),
         samples=stage("extract_scenario", "samples.parquet", "scenario"),
@@ -119,6 +116,9 @@ rule extract_scenario:
         stage("extract_scenario", "log.txt", "scenario"),
     benchmark:
         stage("extract_scenario", "benchmark.tsv", "scenario")
+    params:
+        **section("record_scenario", "extract_walks", "standing", "dependencies"),
+        code=code("extract_scenario.py"),
     script:
         "../scripts/extract_scenario.py"
 
@@ -126,16 +126,24 @@ rule extract_scenario:
 rule import_walks:
     input:
         source_files,
-    params:
-        code=code("import_walks.py"),
-        **section("run", "source", "standing", "dependencies", "extract_walks"),
     output:
-        walks=expand(stage("import_walks", "walks.parquet", "shard"), shard=SHARDS, allow_missing=True),
-        samples=expand(stage("import_walks", "samples.parquet", "shard"), shard=SHARDS, allow_missing=True),
+        walks=expand(
+            stage("import_walks", "walks.parquet", "shard"),
+            shard=SHARDS,
+            allow_missing=True,
+        ),
+        samples=expand(
+            stage("import_walks", "samples.parquet", "shard"),
+            shard=SHARDS,
+            allow_missing=True,
+        ),
     log:
         stage("import_walks", "log.txt"),
     benchmark:
         stage("import_walks", "benchmark.tsv")
+    params:
+        **section("run", "source", "standing", "dependencies", "extract_walks"),
+        code=code("import_walks.py"),
     script:
         "../scripts/import_walks.py"
 
@@ -143,15 +151,27 @@ rule import_walks:
 rule summarise_capture:
     input:
         walks=[
-            *expand(rules.extract_training.output.walks, shard=SHARDS, allow_missing=True),
-            *expand(rules.extract_scenario.output.walks, scenario=SCENARIOS, allow_missing=True),
+            *expand(
+                rules.extract_training.output.walks, shard=SHARDS, allow_missing=True
+            ),
+            *expand(
+                rules.extract_scenario.output.walks,
+                scenario=SCENARIOS,
+                allow_missing=True,
+            ),
         ],
         boundaries=[
-            *expand(rules.extract_training.output.boundaries, shard=SHARDS, allow_missing=True),
-            *expand(rules.extract_scenario.output.boundaries, scenario=SCENARIOS, allow_missing=True),
+            *expand(
+                rules.extract_training.output.boundaries,
+                shard=SHARDS,
+                allow_missing=True,
+            ),
+            *expand(
+                rules.extract_scenario.output.boundaries,
+                scenario=SCENARIOS,
+                allow_missing=True,
+            ),
         ],
-    params:
-        code=code("summarise_capture.py"),
     output:
         summary=stage("summarise_capture", "capture.csv"),
         rejections=stage("summarise_capture", "rejections.csv"),
@@ -159,5 +179,7 @@ rule summarise_capture:
         stage("summarise_capture", "log.txt"),
     benchmark:
         stage("summarise_capture", "benchmark.tsv")
+    params:
+        code=code("summarise_capture.py"),
     script:
         "../scripts/summarise_capture.py"

@@ -17,13 +17,17 @@ os.environ.setdefault("WALKLAB_DATA", "../shared/data")
 os.environ["MPLBACKEND"] = "agg"
 
 ROOT = Path(workflow.basedir)
-os.environ["NUMBA_CACHE_DIR"] = str(ROOT / ".snakemake/numba" / code_digest.source_digest(ROOT / "src/walklab"))
+os.environ["NUMBA_CACHE_DIR"] = str(
+    ROOT / ".snakemake/numba" / code_digest.source_digest(ROOT / "src/walklab")
+)
 
 
 def completed(config):
     """The configuration with all defaults, or one message."""
     try:
-        return complete(config, load_schema(ROOT / "workflow/schemas/config.schema.yaml"))
+        return complete(
+            config, load_schema(ROOT / "workflow/schemas/config.schema.yaml")
+        )
     except InputError as error:
         raise WorkflowError(f"{error}") from None
 
@@ -79,7 +83,9 @@ def announce():
     from walklab.estimate import estimate
     from walklab.geometry.plans import load_plan
 
-    walks_per_set = sum(len(load_plan(ROOT / path).walks) for path in CONFIG["scenarios"].values())
+    walks_per_set = sum(
+        len(load_plan(ROOT / path).walks) for path in CONFIG["scenarios"].values()
+    )
     size = estimate(CONFIG, walks_per_set, workflow.cores)
     return (
         f"walklab {CONFIG['run']}: {size.training_walks} training walks x {size.cells} parameter vectors, "

@@ -9,22 +9,25 @@ MODEL_INPUTS = {
     "static": rules.fit_static.output.static,
 }
 # The studies of section 8 are all made on the first scenario, as in the paper.
-FIRST_SCENARIO = {name: path.replace("{scenario}", SCENARIOS[0]) for name, path in MODEL_INPUTS.items()}
+FIRST_SCENARIO = {
+    name: path.replace("{scenario}", SCENARIOS[0])
+    for name, path in MODEL_INPUTS.items()
+}
 TRIALS = section("seed", "planner", "space", "dependencies", "standing", "metric")
 
 
 rule simulate_trials:
     input:
         **MODEL_INPUTS,
-    params:
-        code=code("simulate_trials.py"),
-        **TRIALS,
     output:
         trials=stage("simulate_trials", "trials.parquet", "scenario"),
     log:
         stage("simulate_trials", "log.txt", "scenario"),
     benchmark:
         stage("simulate_trials", "benchmark.tsv", "scenario")
+    params:
+        **TRIALS,
+        code=code("simulate_trials.py"),
     script:
         "../scripts/simulate_trials.py"
 
@@ -32,12 +35,11 @@ rule simulate_trials:
 rule compare_models:
     input:
         trials=rules.simulate_trials.output.trials,
-    params:
-        code=code("compare_models.py"),
-        **section("seed", "statistics"),
     output:
         description=stage("compare_models", "description.csv", "scenario"),
-        description_by_hull=stage("compare_models", "description_by_hull.csv", "scenario"),
+        description_by_hull=stage(
+            "compare_models", "description_by_hull.csv", "scenario"
+        ),
         percentiles=stage("compare_models", "percentiles.csv", "scenario"),
         reductions=stage("compare_models", "reductions.csv", "scenario"),
         comparisons=stage("compare_models", "comparisons.csv", "scenario"),
@@ -46,6 +48,9 @@ rule compare_models:
         stage("compare_models", "log.txt", "scenario"),
     benchmark:
         stage("compare_models", "benchmark.tsv", "scenario")
+    params:
+        **section("seed", "statistics"),
+        code=code("compare_models.py"),
     script:
         "../scripts/compare_models.py"
 
@@ -53,14 +58,16 @@ rule compare_models:
 rule ablate_parameters:
     input:
         **FIRST_SCENARIO,
-        training_walks=expand(stage(WALKS, "walks.parquet", "shard"), shard=SHARDS, allow_missing=True),
-        training_samples=expand(stage(WALKS, "samples.parquet", "shard"), shard=SHARDS, allow_missing=True),
-        training_routes=expand(rules.plan_training.output.routes, shard=SHARDS, allow_missing=True),
+        training_walks=expand(
+            stage(WALKS, "walks.parquet", "shard"), shard=SHARDS, allow_missing=True
+        ),
+        training_samples=expand(
+            stage(WALKS, "samples.parquet", "shard"), shard=SHARDS, allow_missing=True
+        ),
+        training_routes=expand(
+            rules.plan_training.output.routes, shard=SHARDS, allow_missing=True
+        ),
         maps=expand(rules.score_maps.output.maps, shard=SHARDS, allow_missing=True),
-    params:
-        code=code("ablate_parameters.py"),
-        **TRIALS,
-        **section("blending_space", "model", "ablate_parameters", "statistics"),
     output:
         ablations=stage("ablate_parameters", "ablations.csv"),
         trials=stage("ablate_parameters", "trials.parquet"),
@@ -68,6 +75,10 @@ rule ablate_parameters:
         stage("ablate_parameters", "log.txt"),
     benchmark:
         stage("ablate_parameters", "benchmark.tsv")
+    params:
+        **TRIALS,
+        **section("blending_space", "model", "ablate_parameters", "statistics"),
+        code=code("ablate_parameters.py"),
     script:
         "../scripts/ablate_parameters.py"
 
@@ -76,9 +87,6 @@ rule leave_out:
     input:
         space=rules.build_space.output.space,
         maps=expand(rules.score_maps.output.maps, shard=SHARDS, allow_missing=True),
-    params:
-        code=code("leave_out.py"),
-        **section("seed", "dependencies", "blending_space", "model", "leave_out", "statistics"),
     output:
         summary=stage("leave_out", "summary.csv"),
         errors=stage("leave_out", "errors.parquet"),
@@ -86,6 +94,16 @@ rule leave_out:
         stage("leave_out", "log.txt"),
     benchmark:
         stage("leave_out", "benchmark.tsv")
+    params:
+        **section(
+            "seed",
+            "dependencies",
+            "blending_space",
+            "model",
+            "leave_out",
+            "statistics",
+        ),
+        code=code("leave_out.py"),
     script:
         "../scripts/leave_out.py"
 
@@ -93,10 +111,6 @@ rule leave_out:
 rule sweep_neighbours:
     input:
         **FIRST_SCENARIO,
-    params:
-        code=code("sweep_neighbours.py"),
-        **TRIALS,
-        **section("sweep_neighbours", "statistics"),
     output:
         errors=stage("sweep_neighbours", "errors.csv"),
         trials=stage("sweep_neighbours", "trials.parquet"),
@@ -106,6 +120,10 @@ rule sweep_neighbours:
         stage("sweep_neighbours", "log.txt"),
     benchmark:
         stage("sweep_neighbours", "benchmark.tsv")
+    params:
+        **TRIALS,
+        **section("sweep_neighbours", "statistics"),
+        code=code("sweep_neighbours.py"),
     script:
         "../scripts/sweep_neighbours.py"
 
@@ -113,9 +131,6 @@ rule sweep_neighbours:
 rule simulate_long_distance:
     input:
         times=rules.record_long_distance.output.times,
-    params:
-        code=code("simulate_long_distance.py"),
-        **section("seed", "long_distance", "statistics", "standing"),
     output:
         draws=stage("simulate_long_distance", "draws.parquet"),
         table=stage("simulate_long_distance", "table.csv"),
@@ -124,22 +139,27 @@ rule simulate_long_distance:
         stage("simulate_long_distance", "log.txt"),
     benchmark:
         stage("simulate_long_distance", "benchmark.tsv")
+    params:
+        **section("seed", "long_distance", "statistics", "standing"),
+        code=code("simulate_long_distance.py"),
     script:
         "../scripts/simulate_long_distance.py"
 
 
 rule count_distances:
     input:
-        vectors=expand(rules.plan_scenario.output.vectors, scenario=SCENARIOS, allow_missing=True),
-    params:
-        code=code("count_distances.py"),
-        **section("scenarios"),
+        vectors=expand(
+            rules.plan_scenario.output.vectors, scenario=SCENARIOS, allow_missing=True
+        ),
     output:
         classes=stage("count_distances", "classes.csv"),
     log:
         stage("count_distances", "log.txt"),
     benchmark:
         stage("count_distances", "benchmark.tsv")
+    params:
+        **section("scenarios"),
+        code=code("count_distances.py"),
     script:
         "../scripts/count_distances.py"
 
@@ -147,15 +167,15 @@ rule count_distances:
 rule estimate_saving:
     input:
         trials=rules.simulate_trials.output.trials.replace("{scenario}", SCENARIOS[0]),
-    params:
-        code=code("estimate_saving.py"),
-        **section("seed", "statistics"),
     output:
         saving=stage("estimate_saving", "saving.csv"),
     log:
         stage("estimate_saving", "log.txt"),
     benchmark:
         stage("estimate_saving", "benchmark.tsv")
+    params:
+        **section("seed", "statistics"),
+        code=code("estimate_saving.py"),
     script:
         "../scripts/estimate_saving.py"
 
@@ -163,13 +183,15 @@ rule estimate_saving:
 rule cross_validate:
     input:
         maps=expand(rules.score_maps.output.maps, shard=SHARDS, allow_missing=True),
-        walks=expand(stage(WALKS, "walks.parquet", "shard"), shard=SHARDS, allow_missing=True),
-        samples=expand(stage(WALKS, "samples.parquet", "shard"), shard=SHARDS, allow_missing=True),
-        routes=expand(rules.plan_training.output.routes, shard=SHARDS, allow_missing=True),
-    params:
-        code=code("cross_validate.py"),
-        **TRIALS,
-        **section("blending_space", "model", "fit_static", "cross_validate", "statistics"),
+        walks=expand(
+            stage(WALKS, "walks.parquet", "shard"), shard=SHARDS, allow_missing=True
+        ),
+        samples=expand(
+            stage(WALKS, "samples.parquet", "shard"), shard=SHARDS, allow_missing=True
+        ),
+        routes=expand(
+            rules.plan_training.output.routes, shard=SHARDS, allow_missing=True
+        ),
     output:
         predictions=stage("cross_validate", "predictions.parquet"),
         scores=stage("cross_validate", "scores.csv"),
@@ -178,5 +200,11 @@ rule cross_validate:
         stage("cross_validate", "log.txt"),
     benchmark:
         stage("cross_validate", "benchmark.tsv")
+    params:
+        **TRIALS,
+        **section(
+            "blending_space", "model", "fit_static", "cross_validate", "statistics"
+        ),
+        code=code("cross_validate.py"),
     script:
         "../scripts/cross_validate.py"

@@ -9,14 +9,20 @@ TRAINING = {
     "maps": expand(first(rules.score_maps.output.maps), shard=SHARDS),
 }
 SCENARIO_FILES = {
-    name: expand(first(MODEL_INPUTS[name]), scenario=SCENARIOS) for name in ("walks", "samples", "routes", "vectors")
+    name: expand(first(MODEL_INPUTS[name]), scenario=SCENARIOS)
+    for name in ("walks", "samples", "routes", "vectors")
 }
 
 
 def figure(name, category):
     """A figure as SVG, which the report shows, and PNG."""
     caption = f"../report/{name}.rst"
-    shown = report(f"{RUN}/figures/{name}.svg", caption=caption, category=category, labels={"figure": name})
+    shown = report(
+        f"{RUN}/figures/{name}.svg",
+        caption=caption,
+        category=category,
+        labels={"figure": name},
+    )
     return [shown, f"{RUN}/figures/{name}.png"]
 
 
@@ -24,12 +30,12 @@ rule draw_fig03:
     input:
         classes=first(rules.count_distances.output.classes),
         paper=PAPER,
-    params:
-        code=code("draw_fig03.py"),
     output:
         figure("fig03", "Setting"),
     log:
         f"{RUN}/figures/logs/fig03.txt",
+    params:
+        code=code("draw_fig03.py"),
     script:
         "../scripts/draw_fig03.py"
 
@@ -39,12 +45,12 @@ rule draw_fig04:
         walks=TRAINING["walks"],
         samples=TRAINING["samples"],
         plans=rules.record_training.input.plans,
-    params:
-        code=code("draw_fig04.py"),
     output:
         figure("fig04", "Capture"),
     log:
         f"{RUN}/figures/logs/fig04.txt",
+    params:
+        code=code("draw_fig04.py"),
     script:
         "../scripts/draw_fig04.py"
 
@@ -52,13 +58,13 @@ rule draw_fig04:
 rule draw_fig05:
     input:
         maps=TRAINING["maps"],
-    params:
-        code=code("draw_fig05.py"),
-        **section("blending_space"),
     output:
         figure("fig05", "Model"),
     log:
         f"{RUN}/figures/logs/fig05.txt",
+    params:
+        **section("blending_space"),
+        code=code("draw_fig05.py"),
     script:
         "../scripts/draw_fig05.py"
 
@@ -66,12 +72,12 @@ rule draw_fig05:
 rule draw_fig06:
     input:
         space=first(rules.build_space.output.space),
-    params:
-        code=code("draw_fig06.py"),
     output:
         figure("fig06", "Model"),
     log:
         f"{RUN}/figures/logs/fig06.txt",
+    params:
+        code=code("draw_fig06.py"),
     script:
         "../scripts/draw_fig06.py"
 
@@ -80,13 +86,13 @@ rule draw_dependency_clouds:
     input:
         training=TRAINING["vectors"],
         scenarios=SCENARIO_FILES["vectors"],
-    params:
-        code=code("draw_dependency_clouds.py"),
-        **section("dependencies"),
     output:
         figure("dependency_clouds", "Model"),
     log:
         f"{RUN}/figures/logs/dependency_clouds.txt",
+    params:
+        **section("dependencies"),
+        code=code("draw_dependency_clouds.py"),
     script:
         "../scripts/draw_dependency_clouds.py"
 
@@ -94,13 +100,13 @@ rule draw_dependency_clouds:
 rule draw_fig08:
     input:
         model=first(rules.train_model.output.model),
-    params:
-        code=code("draw_fig08.py"),
-        **section("draw_fig08"),
     output:
         figure("fig08", "Model"),
     log:
         f"{RUN}/figures/logs/fig08.txt",
+    params:
+        **section("draw_fig08"),
+        code=code("draw_fig08.py"),
     script:
         "../scripts/draw_fig08.py"
 
@@ -108,13 +114,13 @@ rule draw_fig08:
 rule draw_fig09:
     input:
         **{name: first(path) for name, path in FIRST_SCENARIO.items()},
-    params:
-        code=code("draw_fig09.py"),
-        **TRIALS,
     output:
         figure("fig09", "Model"),
     log:
         f"{RUN}/figures/logs/fig09.txt",
+    params:
+        **TRIALS,
+        code=code("draw_fig09.py"),
     script:
         "../scripts/draw_fig09.py"
 
@@ -125,13 +131,13 @@ rule draw_fig10:
         model=first(rules.train_model.output.model),
         static=first(rules.fit_static.output.static),
         plans=list(CONFIG["scenarios"].values()),
-    params:
-        code=code("draw_fig10.py"),
-        **section("seed", "scenarios", "planner", "space", "dependencies"),
     output:
         figure("fig10", "Evaluation"),
     log:
         f"{RUN}/figures/logs/fig10.txt",
+    params:
+        **section("seed", "scenarios", "planner", "space", "dependencies"),
+        code=code("draw_fig10.py"),
     script:
         "../scripts/draw_fig10.py"
 
@@ -140,12 +146,12 @@ rule draw_fig13:
     input:
         ablations=first(rules.ablate_parameters.output.ablations),
         paper=PAPER,
-    params:
-        code=code("draw_fig13.py"),
     output:
         figure("fig13", "Analyses"),
     log:
         f"{RUN}/figures/logs/fig13.txt",
+    params:
+        code=code("draw_fig13.py"),
     script:
         "../scripts/draw_fig13.py"
 
@@ -155,12 +161,12 @@ rule draw_fig14:
         errors=first(rules.sweep_neighbours.output.errors),
         timings=first(rules.sweep_neighbours.output.timings),
         paper=PAPER,
-    params:
-        code=code("draw_fig14.py"),
     output:
         figure("fig14", "Analyses"),
     log:
         f"{RUN}/figures/logs/fig14.txt",
+    params:
+        code=code("draw_fig14.py"),
     script:
         "../scripts/draw_fig14.py"
 
@@ -169,12 +175,12 @@ rule draw_fig15:
     input:
         draws=first(rules.simulate_long_distance.output.draws),
         paper=PAPER,
-    params:
-        code=code("draw_fig15.py"),
     output:
         figure("fig15", "Analyses"),
     log:
         f"{RUN}/figures/logs/fig15.txt",
+    params:
+        code=code("draw_fig15.py"),
     script:
         "../scripts/draw_fig15.py"
 
@@ -182,12 +188,12 @@ rule draw_fig15:
 rule draw_claims:
     input:
         claims=rules.check_claims.output.claims,
-    params:
-        code=code("draw_claims.py"),
     output:
         figure("claims", "Verdicts"),
     log:
         f"{RUN}/figures/logs/claims.txt",
+    params:
+        code=code("draw_claims.py"),
     script:
         "../scripts/draw_claims.py"
 
@@ -196,50 +202,61 @@ rule draw_scores:
     input:
         scores=first(rules.cross_validate.output.scores),
         summary=first(rules.cross_validate.output.summary),
-    params:
-        code=code("draw_scores.py"),
     output:
         figure("scores", "Evaluation"),
     log:
         f"{RUN}/figures/logs/scores.txt",
+    params:
+        code=code("draw_scores.py"),
     script:
         "../scripts/draw_scores.py"
 
 
 rule draw_fig11:
     input:
-        trials=first(rules.simulate_trials.output.trials).replace("{scenario}", SCENARIOS[0]),
-        description=first(rules.compare_models.output.description).replace("{scenario}", SCENARIOS[0]),
-        comparisons=first(rules.compare_models.output.comparisons).replace("{scenario}", SCENARIOS[0]),
+        trials=first(rules.simulate_trials.output.trials).replace(
+            "{scenario}", SCENARIOS[0]
+        ),
+        description=first(rules.compare_models.output.description).replace(
+            "{scenario}", SCENARIOS[0]
+        ),
+        comparisons=first(rules.compare_models.output.comparisons).replace(
+            "{scenario}", SCENARIOS[0]
+        ),
         paper=PAPER,
+    output:
+        figure("fig11", "Evaluation"),
+    log:
+        f"{RUN}/figures/logs/fig11.txt",
     params:
         code=code("draw_errors.py"),
         scenario=SCENARIOS[0],
         position=0,
         name="fig11",
-    output:
-        figure("fig11", "Evaluation"),
-    log:
-        f"{RUN}/figures/logs/fig11.txt",
     script:
         "../scripts/draw_errors.py"
 
 
 rule draw_fig12:
     input:
-        trials=first(rules.simulate_trials.output.trials).replace("{scenario}", SCENARIOS[1]),
-        description=first(rules.compare_models.output.description).replace("{scenario}", SCENARIOS[1]),
-        comparisons=first(rules.compare_models.output.comparisons).replace("{scenario}", SCENARIOS[1]),
+        trials=first(rules.simulate_trials.output.trials).replace(
+            "{scenario}", SCENARIOS[1]
+        ),
+        description=first(rules.compare_models.output.description).replace(
+            "{scenario}", SCENARIOS[1]
+        ),
+        comparisons=first(rules.compare_models.output.comparisons).replace(
+            "{scenario}", SCENARIOS[1]
+        ),
         paper=PAPER,
+    output:
+        figure("fig12", "Evaluation"),
+    log:
+        f"{RUN}/figures/logs/fig12.txt",
     params:
         code=code("draw_errors.py"),
         scenario=SCENARIOS[1],
         position=1,
         name="fig12",
-    output:
-        figure("fig12", "Evaluation"),
-    log:
-        f"{RUN}/figures/logs/fig12.txt",
     script:
         "../scripts/draw_errors.py"
-

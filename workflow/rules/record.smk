@@ -2,12 +2,30 @@
 
 # The paper's figures and tables, in its order.
 STEERING = [
-    *(f"{RUN}/figures/fig{number}.svg" for number in ("03", "04", "05", "06", "08", "09", "10", "11", "12", "13", "14", "15")),
+    *(
+        f"{RUN}/figures/fig{number}.svg"
+        for number in (
+            "03",
+            "04",
+            "05",
+            "06",
+            "08",
+            "09",
+            "10",
+            "11",
+            "12",
+            "13",
+            "14",
+            "15",
+        )
+    ),
     f"{RUN}/figures/dependency_clouds.svg",
     f"{RUN}/figures/claims.svg",
     f"{RUN}/claims.csv",
     *(f"{RUN}/tables/{name}.html" for name in TABLES),
-    *expand(rules.simulate_trials.output.trials, scenario=SCENARIOS, replicate=REPLICATES),
+    *expand(
+        rules.simulate_trials.output.trials, scenario=SCENARIOS, replicate=REPLICATES
+    ),
 ]
 # Leave-one-subject-out on real or own walks.
 REAL = [
@@ -25,8 +43,12 @@ rule publish_scores:
         scores=first(rules.cross_validate.output.scores),
         summary=first(rules.cross_validate.output.summary),
     output:
-        scores=report(f"{RUN}/scores.csv", caption="../report/table.rst", category="Tables"),
-        summary=report(f"{RUN}/summary.csv", caption="../report/table.rst", category="Tables"),
+        scores=report(
+            f"{RUN}/scores.csv", caption="../report/table.rst", category="Tables"
+        ),
+        summary=report(
+            f"{RUN}/summary.csv", caption="../report/table.rst", category="Tables"
+        ),
     log:
         f"{RUN}/logs/publish_scores.txt",
     shell:
@@ -41,15 +63,15 @@ def benchmarks(wildcards, input):
 rule record_run:
     input:
         STEERING if SYNTHETIC else REAL,
+    output:
+        record=f"{RUN}/run.json",
+    log:
+        f"{RUN}/logs/record_run.txt",
     params:
         code=code("record_run.py"),
         config=CONFIG,
         root=str(ROOT),
         benchmarks=benchmarks,
-    output:
-        record=f"{RUN}/run.json",
-    log:
-        f"{RUN}/logs/record_run.txt",
     script:
         "../scripts/record_run.py"
 

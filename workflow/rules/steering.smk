@@ -8,9 +8,6 @@ rule plan_training:
         walks=stage(WALKS, "walks.parquet", "shard"),
         samples=stage(WALKS, "samples.parquet", "shard"),
         plans=expand("config/scenes/{turn}.yaml", turn=TURNS),
-    params:
-        code=code("plan_walks.py"),
-        **section(*SHARED),
     output:
         routes=stage("plan_training", "routes.parquet", "shard"),
         vectors=stage("plan_training", "vectors.parquet", "shard"),
@@ -18,6 +15,9 @@ rule plan_training:
         stage("plan_training", "log.txt", "shard"),
     benchmark:
         stage("plan_training", "benchmark.tsv", "shard")
+    params:
+        **section(*SHARED),
+        code=code("plan_walks.py"),
     script:
         "../scripts/plan_walks.py"
 
@@ -27,9 +27,6 @@ rule plan_scenario:
         walks=stage("extract_scenario", "walks.parquet", "scenario"),
         samples=stage("extract_scenario", "samples.parquet", "scenario"),
         plans=lambda wildcards: [CONFIG["scenarios"][wildcards.scenario]],
-    params:
-        code=code("plan_walks.py"),
-        **section(*SHARED),
     output:
         routes=stage("plan_scenario", "routes.parquet", "scenario"),
         vectors=stage("plan_scenario", "vectors.parquet", "scenario"),
@@ -37,6 +34,9 @@ rule plan_scenario:
         stage("plan_scenario", "log.txt", "scenario"),
     benchmark:
         stage("plan_scenario", "benchmark.tsv", "scenario")
+    params:
+        **section(*SHARED),
+        code=code("plan_walks.py"),
     script:
         "../scripts/plan_walks.py"
 
@@ -47,15 +47,15 @@ rule score_maps:
         samples=stage(WALKS, "samples.parquet", "shard"),
         routes=rules.plan_training.output.routes,
         vectors=rules.plan_training.output.vectors,
-    params:
-        code=code("score_maps.py"),
-        **section("planner", "space", "metric", "dependencies"),
     output:
         maps=stage("score_maps", "maps.nc", "shard"),
     log:
         stage("score_maps", "log.txt", "shard"),
     benchmark:
         stage("score_maps", "benchmark.tsv", "shard")
+    params:
+        **section("planner", "space", "metric", "dependencies"),
+        code=code("score_maps.py"),
     script:
         "../scripts/score_maps.py"
 
@@ -63,9 +63,6 @@ rule score_maps:
 rule build_space:
     input:
         maps=expand(rules.score_maps.output.maps, shard=SHARDS, allow_missing=True),
-    params:
-        code=code("build_space.py"),
-        **section("seed", "space", "dependencies", "blending_space"),
     output:
         space=stage("build_space", "blending_space.nc"),
         density=stage("build_space", "density.csv"),
@@ -73,19 +70,25 @@ rule build_space:
         stage("build_space", "log.txt"),
     benchmark:
         stage("build_space", "benchmark.tsv")
+    params:
+        **section("seed", "space", "dependencies", "blending_space"),
+        code=code("build_space.py"),
     script:
         "../scripts/build_space.py"
 
 
 rule fit_static:
     input:
-        walks=expand(stage(WALKS, "walks.parquet", "shard"), shard=SHARDS, allow_missing=True),
-        samples=expand(stage(WALKS, "samples.parquet", "shard"), shard=SHARDS, allow_missing=True),
-        routes=expand(rules.plan_training.output.routes, shard=SHARDS, allow_missing=True),
+        walks=expand(
+            stage(WALKS, "walks.parquet", "shard"), shard=SHARDS, allow_missing=True
+        ),
+        samples=expand(
+            stage(WALKS, "samples.parquet", "shard"), shard=SHARDS, allow_missing=True
+        ),
+        routes=expand(
+            rules.plan_training.output.routes, shard=SHARDS, allow_missing=True
+        ),
         maps=expand(rules.score_maps.output.maps, shard=SHARDS, allow_missing=True),
-    params:
-        code=code("fit_static.py"),
-        **section("seed", "planner", "space", "metric", "fit_static", "statistics"),
     output:
         static=stage("fit_static", "static.json"),
         optimum=stage("fit_static", "optimum.csv"),
@@ -94,6 +97,9 @@ rule fit_static:
     benchmark:
         stage("fit_static", "benchmark.tsv")
     threads: workflow.cores
+    params:
+        **section("seed", "planner", "space", "metric", "fit_static", "statistics"),
+        code=code("fit_static.py"),
     script:
         "../scripts/fit_static.py"
 
@@ -101,14 +107,14 @@ rule fit_static:
 rule train_model:
     input:
         space=rules.build_space.output.space,
-    params:
-        code=code("train_model.py"),
-        **section("run", "seed", "model"),
     output:
         model=stage("train_model", "model.safetensors"),
     log:
         stage("train_model", "log.txt"),
     benchmark:
         stage("train_model", "benchmark.tsv")
+    params:
+        **section("run", "seed", "model"),
+        code=code("train_model.py"),
     script:
         "../scripts/train_model.py"

@@ -5,23 +5,31 @@ rule check_claims:
     input:
         paper="config/papers/agethen_steering.yaml",
         optimum=first(rules.fit_static.output.optimum),
-        description=expand(first(rules.compare_models.output.description), scenario=SCENARIOS),
-        percentiles=expand(first(rules.compare_models.output.percentiles), scenario=SCENARIOS),
-        reductions=expand(first(rules.compare_models.output.reductions), scenario=SCENARIOS),
-        comparisons=expand(first(rules.compare_models.output.comparisons), scenario=SCENARIOS),
+        description=expand(
+            first(rules.compare_models.output.description), scenario=SCENARIOS
+        ),
+        percentiles=expand(
+            first(rules.compare_models.output.percentiles), scenario=SCENARIOS
+        ),
+        reductions=expand(
+            first(rules.compare_models.output.reductions), scenario=SCENARIOS
+        ),
+        comparisons=expand(
+            first(rules.compare_models.output.comparisons), scenario=SCENARIOS
+        ),
         ablations=first(rules.ablate_parameters.output.ablations),
         leave_one_out=first(rules.leave_out.output.summary),
         neighbours=first(rules.sweep_neighbours.output.errors),
         neighbour_timings=first(rules.sweep_neighbours.output.timings),
         long_distance=first(rules.simulate_long_distance.output.table),
         production=first(rules.estimate_saving.output.saving),
-    params:
-        code=code("check_claims.py"),
-        **section("scenarios"),
     output:
         claims=f"{RUN}/claims.csv",
     log:
         f"{RUN}/logs/check_claims.txt",
+    params:
+        **section("scenarios"),
+        code=code("check_claims.py"),
     script:
         "../scripts/check_claims.py"
 
@@ -30,14 +38,14 @@ rule list_assumptions:
     input:
         paper="config/papers/agethen_steering.yaml",
         sources=assumption_sources(),
-    params:
-        code=code("list_assumptions.py"),
-        root=str(ROOT),
     output:
         assumptions=f"{RUN}/tables/assumptions.csv",
         inconsistencies=f"{RUN}/tables/inconsistencies.csv",
     log:
         f"{RUN}/logs/list_assumptions.txt",
+    params:
+        code=code("list_assumptions.py"),
+        root=str(ROOT),
     script:
         "../scripts/list_assumptions.py"
 
@@ -46,49 +54,92 @@ rule list_assumptions:
 _TABLES = {
     "claims": (f"{RUN}/claims.csv", "Claims of the paper and our verdicts"),
     "capture": (first(rules.summarise_capture.output.summary), "Captured walks"),
-    "rejections": (first(rules.summarise_capture.output.rejections), "Movements left out, by reason"),
-    "optimum": (first(rules.fit_static.output.optimum), "P_Stat: the optimum of simulated annealing"),
-    "density": (first(rules.build_space.output.density), "Density of the blending space before and after up-sampling"),
+    "rejections": (
+        first(rules.summarise_capture.output.rejections),
+        "Movements left out, by reason",
+    ),
+    "optimum": (
+        first(rules.fit_static.output.optimum),
+        "P_Stat: the optimum of simulated annealing",
+    ),
+    "density": (
+        first(rules.build_space.output.density),
+        "Density of the blending space before and after up-sampling",
+    ),
     **{
-        f"{table}_{scenario}": (first(rules.compare_models.output[table]).replace("{scenario}", scenario), title)
+        f"{table}_{scenario}": (
+            first(rules.compare_models.output[table]).replace("{scenario}", scenario),
+            title,
+        )
         for scenario in SCENARIOS
         for table, title in (
             ("description", f"Travel-time errors, {scenario}"),
-            ("description_by_hull", f"Travel-time errors inside and outside the training dependencies, {scenario}"),
+            (
+                "description_by_hull",
+                f"Travel-time errors inside and outside the training dependencies, {scenario}",
+            ),
             ("comparisons", f"Pairs of models, {scenario}"),
-            ("mixed", f"Mixed models with a random intercept per participant, {scenario}"),
+            (
+                "mixed",
+                f"Mixed models with a random intercept per participant, {scenario}",
+            ),
         )
     },
     "ablations": (first(rules.ablate_parameters.output.ablations), "Ablations"),
     "leave_out": (first(rules.leave_out.output.summary), "Leave-one-out checks"),
-    "neighbours": (first(rules.sweep_neighbours.output.errors), "Errors by number of neighbours"),
-    "timings": (first(rules.sweep_neighbours.output.timings), "Time by number of neighbours (measured in this run)"),
-    "long_distance": (first(rules.simulate_long_distance.output.table), "Long distances"),
-    "long_distance_optimum": (first(rules.simulate_long_distance.output.optimum), "Long distances: P_Stat"),
-    "saving": (first(rules.estimate_saving.output.saving), "The production example of 7.5"),
-    "inconsistencies": (f"{RUN}/tables/inconsistencies.csv", "Inconsistencies of the paper and our readings"),
-    "assumptions": (f"{RUN}/tables/assumptions.csv", "Assumptions where the paper is silent"),
+    "neighbours": (
+        first(rules.sweep_neighbours.output.errors),
+        "Errors by number of neighbours",
+    ),
+    "timings": (
+        first(rules.sweep_neighbours.output.timings),
+        "Time by number of neighbours (measured in this run)",
+    ),
+    "long_distance": (
+        first(rules.simulate_long_distance.output.table),
+        "Long distances",
+    ),
+    "long_distance_optimum": (
+        first(rules.simulate_long_distance.output.optimum),
+        "Long distances: P_Stat",
+    ),
+    "saving": (
+        first(rules.estimate_saving.output.saving),
+        "The production example of 7.5",
+    ),
+    "inconsistencies": (
+        f"{RUN}/tables/inconsistencies.csv",
+        "Inconsistencies of the paper and our readings",
+    ),
+    "assumptions": (
+        f"{RUN}/tables/assumptions.csv",
+        "Assumptions where the paper is silent",
+    ),
 }
 TABLES = {name: file for name, (file, _) in _TABLES.items()}
 TABLE_TITLES = {name: title for name, (_, title) in _TABLES.items()}
 
 
-
 def page(name):
     """A table's page in the report."""
     path = f"{RUN}/tables/{name}.html"
-    return report(path, caption="../report/table.rst", category="Tables", labels={"table": TABLE_TITLES[name]})
+    return report(
+        path,
+        caption="../report/table.rst",
+        category="Tables",
+        labels={"table": TABLE_TITLES[name]},
+    )
 
 
 rule render_tables:
     input:
         tables=list(TABLES.values()),
-    params:
-        code=code("render_tables.py"),
-        titles=list(TABLE_TITLES.values()),
     output:
         pages=[page(name) for name in TABLES],
     log:
         f"{RUN}/logs/render_tables.txt",
+    params:
+        code=code("render_tables.py"),
+        titles=list(TABLE_TITLES.values()),
     script:
         "../scripts/render_tables.py"

@@ -6,6 +6,8 @@ from html import escape
 
 import pandas as pd
 
+from walklab.figures.claims import VERDICTS
+
 STYLE = """
 :root { color-scheme: light dark; font: 14px/1.45 system-ui, sans-serif; }
 body { margin: 1.5rem; }
@@ -15,18 +17,19 @@ table { border-collapse: collapse; }
 th, td { padding: .3rem .6rem; text-align: left; vertical-align: top; border-bottom: 1px solid #8886; }
 th { position: sticky; top: 0; background: Canvas; }
 td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-td.reproduced { border-left: 4px solid #009e73; }
-td.partly { border-left: 4px solid #e69f00; }
-td.not-reproduced { border-left: 4px solid #d55e00; }
-td.not-checkable { border-left: 4px solid #999; }
 """
+
+
+def _verdict_style() -> str:
+    # The colours of the figure of claims, so that a verdict looks the same everywhere.
+    return "".join(f"td.{name.replace(' ', '-')} {{ border-left: 4px solid {hue}; }}\n" for name, (_, hue) in VERDICTS.items())
 
 
 def table_page(table: pd.DataFrame, title: str) -> str:
     """A page with one table: numbers to the right with four significant digits, verdicts marked by colour and word."""
     header = "".join(f"<th>{escape(str(name).replace('_', ' '))}</th>" for name in table.columns)
     rows = "\n".join(f"<tr>{''.join(_cell(name, row[name]) for name in table.columns)}</tr>" for _, row in table.iterrows())
-    head = f'<meta charset="utf-8"><title>{escape(title)}</title><style>{STYLE}</style>'
+    head = f'<meta charset="utf-8"><title>{escape(title)}</title><style>{STYLE}{_verdict_style()}</style>'
     body = f"<table><thead><tr>{header}</tr></thead>\n<tbody>\n{rows}\n</tbody></table>"
     return (
         f'<!DOCTYPE html>\n<html lang="en"><head>{head}</head>\n'
