@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PARTS = ("Snakefile", "workflow", "config", "src", "examples", "tests/workflow/tiny.yaml", "README.md", "requirements.lock")
+PARTS = ("Snakefile", "workflow", "profiles", "config", "src", "examples", "tests/workflow/tiny.yaml", "README.md", "requirements.lock")
 # Measured times differ from run to run, everything else must not.
 MEASURED = ("benchmark.tsv", "log.txt", "timings.csv", "run.json", "claims.csv", "claims.html")
 
@@ -25,7 +25,7 @@ class Project:
     folder: Path
 
     def start(self, *arguments: str) -> subprocess.Popen[str]:
-        command = [sys.executable, "-m", "snakemake", "--logger", "snakemake", *arguments]
+        command = [sys.executable, "-m", "snakemake", *arguments]
         return subprocess.Popen(
             command,
             cwd=self.folder,

@@ -15,9 +15,10 @@ TINY = ("--configfile", "tests/workflow/tiny.yaml")
 
 
 def jobs(output: str) -> set[str]:
-    """Names of the rules that a dry run would execute."""
-    table = output.split("Job stats:")[1] if "Job stats:" in output else ""
-    return set(re.findall(r"^(\w+)\s+\d+\s*$", table, flags=re.MULTILINE)) - {"total", "job"}
+    """Names of the rules that a dry run would execute, from its table of jobs."""
+    table = output.split("Job stats")[1].split("Reasons")[0] if "Job stats" in output else ""
+    names = re.findall(r"^ *(\w[\w ]*?) +\d+ *$", table, flags=re.MULTILINE)
+    return {name.replace(" ", "_") for name in names} - {"total"}
 
 
 def edit(path, old: str, new: str) -> None:

@@ -17,8 +17,9 @@ os.environ.setdefault("WALKLAB_DATA", "../shared/data")
 os.environ["MPLBACKEND"] = "agg"
 
 ROOT = Path(workflow.basedir)
+_compiled = Path(os.environ.get("NUMBA_CACHE_DIR", ROOT / ".snakemake/numba"))
 os.environ["NUMBA_CACHE_DIR"] = str(
-    ROOT / ".snakemake/numba" / code_digest.source_digest(ROOT / "src/walklab")
+    _compiled / code_digest.source_digest(ROOT / "src/walklab")
 )
 
 

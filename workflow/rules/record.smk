@@ -70,7 +70,7 @@ rule record_run:
     params:
         code=code("record_run.py"),
         config=CONFIG,
-        root=str(ROOT),
+        root=os.path.relpath(ROOT),
         benchmarks=benchmarks,
     script:
         "../scripts/record_run.py"

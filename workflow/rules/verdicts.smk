@@ -45,7 +45,7 @@ rule list_assumptions:
         f"{RUN}/logs/list_assumptions.txt",
     params:
         code=code("list_assumptions.py"),
-        root=str(ROOT),
+        root=os.path.relpath(ROOT),
     script:
         "../scripts/list_assumptions.py"
 

@@ -38,7 +38,7 @@ def describe(trials: pd.DataFrame, column: str = "abs_dt_s") -> pd.DataFrame:
     Returns
     -------
     DataFrame, a row per model: model, n, not_arrived, outside_hull, mean, sd, p05, p25, median, p75, p95, iqr,
-    skew, shapiro_w, shapiro_p (Shapiro-Wilk; NaN for fewer than 3 or equal values), and median_signed_dt_s
+    skew, shapiro_w, shapiro_p (Shapiro-Wilk; NaN for fewer than 4 or equal values), and median_signed_dt_s
     """
     return pd.DataFrame([_describe_one(str(name), group, column) for name, group in trials.groupby("model", sort=False)])
 
@@ -65,7 +65,7 @@ def _describe_one(model: str, group: pd.DataFrame, column: str) -> dict[str, Any
 
 def shapiro_wilk(values: Array) -> tuple[float, float]:
     """W and p of the Shapiro-Wilk test; of an evenly thinned sample where there are more than 5000 values."""
-    if len(values) < 3 or np.ptp(values) == 0:
+    if len(values) < 4 or np.ptp(values) == 0:
         return np.nan, np.nan
     thinned = values[:: int(np.ceil(len(values) / LARGEST_SHAPIRO_SAMPLE))]
     outcome = pingouin.normality(thinned).iloc[0]
