@@ -25,8 +25,9 @@ The control therefore states no identity of the best parameters, but two things 
 
 Between people comfortable speed differs by 10 %, and no model knows a person's speed. That alone
 hides the whole effect of the dependencies from a dozen people. The sharp pair of controls is
-therefore made with people who are *alike*: they differ in height, age, sex and from repetition
-to repetition only. The control is repeated with people as they are; since there the effects are
+therefore made with people who are *alike*: the traits that set speed, start-up and the way of
+taking corners are the same for all (``alike``); height, age, sex, sway and repetition still vary.
+The control is repeated with people as they are; since there the effects are
 not seen even when they are on, its positive control is a model that is told the duration.
 
 What "P_Prob must not beat P_Adapt" can mean. One draw cannot beat the centre of the distribution
