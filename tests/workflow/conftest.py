@@ -13,7 +13,17 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PARTS = ("Snakefile", "workflow", "profiles", "config", "src", "examples", "tests/workflow/tiny.yaml", "README.md", "requirements.lock")
+PARTS = (
+    "Snakefile",
+    "workflow",
+    "profiles",
+    "config",
+    "src",
+    "examples",
+    "tests/workflow/tiny.yaml",
+    "README.md",
+    "requirements.lock",
+)
 # Measured times differ from run to run, everything else must not.
 MEASURED = ("benchmark.tsv", "log.txt", "timings.csv", "run.json", "claims.csv", "claims.html")
 

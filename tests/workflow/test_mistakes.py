@@ -15,8 +15,11 @@ CONFIGS = {
     "unknown key": ({"model": {"neighbors": 3}}, "config key model.neighbors: unknown"),
     "ill-typed": ({"model": {"k": "all"}}, "config key model.k: 'all' is not of type 'integer'"),
     "out of range": ({"body": {"radius_m": -1}}, "config key body.radius_m"),
-    "no such plan view": ({"scenarios": {"scenario_1": "config/scenes/nowhere.yaml"}}, "nowhere.yaml"),
-    "no such walks": ({"source": {"kind": "table", "path": "absent.csv"}}, "absent.csv"),
+    "no such plan view": (
+        {"scenarios": {"scenario_1": "config/scenes/nowhere.yaml"}},
+        "config key scenarios.scenario_1: config/scenes/nowhere.yaml does not exist",
+    ),
+    "no such walks": ({"source": {"kind": "table", "path": "absent.csv"}}, "config key source.path: absent.csv does not exist"),
     "unknown planner": ({"planner": {"name": "teleport"}}, "teleport"),
     "unknown parameter": ({"space": [{"name": "w", "unit": "-", "values": [1, 2]}]}, "'w'"),
 }

@@ -5,16 +5,6 @@ TURNS = [f"turn_{angle}" for angle in CONFIG["record_training"]["turning_angles_
 WALKS = "extract_training" if SYNTHETIC else "import_walks"
 
 
-def source_files(wildcards):
-    """The files of real or own walks."""
-    path = Path(os.path.expandvars(CONFIG["source"]["path"] or ""))
-    if not path.exists():
-        raise WorkflowError(
-            f"config key source.path: {path} does not exist; give a file or folder, or set WALKLAB_DATA"
-        )
-    return sorted(map(str, path.rglob("*.a[sm][fc]"))) if path.is_dir() else str(path)
-
-
 rule draw_participants:
     output:
         participants=stage("draw_participants", "participants.parquet"),

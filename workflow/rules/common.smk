@@ -6,21 +6,12 @@ from pathlib import Path
 
 from snakemake.exceptions import WorkflowError
 
-from walklab import code_digest
+from walklab import code_digest, job_environment
 from walklab.configuration import complete, load_schema
 from walklab.errors import InputError
 
-# One BLAS thread a job: results must not depend on how a library splits its sums.
-for _name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
-    os.environ[_name] = "1"
-os.environ.setdefault("WALKLAB_DATA", "../shared/data")
-os.environ["MPLBACKEND"] = "agg"
-
 ROOT = Path(workflow.basedir)
-_compiled = Path(os.environ.get("NUMBA_CACHE_DIR", ROOT / ".snakemake/numba"))
-os.environ["NUMBA_CACHE_DIR"] = str(
-    _compiled / code_digest.source_digest(ROOT / "src/walklab")
-)
+job_environment.prepare(ROOT)
 
 
 def completed(config):
@@ -33,7 +24,20 @@ def completed(config):
         raise WorkflowError(f"{error}") from None
 
 
+def check_files(config):
+    """Stop before anything runs if a file that the configuration names is not there."""
+    named = {f"scenarios.{name}": path for name, path in config["scenarios"].items()}
+    if config["source"]["kind"] != "synthetic":
+        named["source.path"] = os.path.expandvars(config["source"]["path"] or "")
+    for key, path in named.items():
+        if not Path(path).exists():
+            raise WorkflowError(
+                f"config key {key}: {path or 'null'} does not exist; correct the path (or set WALKLAB_DATA)"
+            )
+
+
 CONFIG = completed(config)
+check_files(CONFIG)
 config.update(CONFIG)  # what the report's text sees
 RUN = f"results/{CONFIG['run']}"
 REPLICATES = range(CONFIG["replicates"])
@@ -93,3 +97,37 @@ def announce():
         f"a blending space of {size.maps} maps, {size.scenario_walks} evaluated walks; "
         f"about {size.wall_minutes:.0f} min on {workflow.cores} cores and {size.disk_gb:.1f} GB in {RUN}/."
     )
+
+
+def source_files(wildcards):
+    """The files of real or own walks."""
+    path = Path(os.path.expandvars(CONFIG["source"]["path"] or ""))
+    return sorted(map(str, path.rglob("*.a[sm][fc]"))) if path.is_dir() else str(path)
+
+
+def figure(name, category):
+    """A figure as SVG, which the report shows, and PNG."""
+    caption = f"../report/{name}.rst"
+    shown = report(
+        f"{RUN}/figures/{name}.svg",
+        caption=caption,
+        category=category,
+        labels={"figure": name},
+    )
+    return [shown, f"{RUN}/figures/{name}.png"]
+
+
+def page(name):
+    """A table's page in the report."""
+    path = f"{RUN}/tables/{name}.html"
+    return report(
+        path,
+        caption="../report/table.rst",
+        category="Tables",
+        labels={"table": TABLE_TITLES[name]},
+    )
+
+
+def benchmarks(wildcards, input):
+    """Benchmark files of every job that led to the results."""
+    return sorted(str(path) for path in Path(RUN).glob("[0-9]*/**/benchmark.tsv"))

@@ -14,18 +14,6 @@ SCENARIO_FILES = {
 }
 
 
-def figure(name, category):
-    """A figure as SVG, which the report shows, and PNG."""
-    caption = f"../report/{name}.rst"
-    shown = report(
-        f"{RUN}/figures/{name}.svg",
-        caption=caption,
-        category=category,
-        labels={"figure": name},
-    )
-    return [shown, f"{RUN}/figures/{name}.png"]
-
-
 rule draw_fig03:
     input:
         classes=first(rules.count_distances.output.classes),

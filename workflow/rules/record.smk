@@ -55,11 +55,6 @@ rule publish_scores:
         "cp {input.scores} {output.scores} && cp {input.summary} {output.summary} 2> {log}"
 
 
-def benchmarks(wildcards, input):
-    """Benchmark files of every job that led to the results."""
-    return sorted(str(path) for path in Path(RUN).glob("[0-9]*/**/benchmark.tsv"))
-
-
 rule record_run:
     input:
         STEERING if SYNTHETIC else REAL,

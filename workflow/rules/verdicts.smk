@@ -120,17 +120,6 @@ TABLES = {name: file for name, (file, _) in _TABLES.items()}
 TABLE_TITLES = {name: title for name, (_, title) in _TABLES.items()}
 
 
-def page(name):
-    """A table's page in the report."""
-    path = f"{RUN}/tables/{name}.html"
-    return report(
-        path,
-        caption="../report/table.rst",
-        category="Tables",
-        labels={"table": TABLE_TITLES[name]},
-    )
-
-
 rule render_tables:
     input:
         tables=list(TABLES.values()),

@@ -8,6 +8,8 @@ import pandas as pd
 
 from walklab.figures.claims import VERDICTS
 
+LONG_TEXT = 40
+
 STYLE = """
 :root { color-scheme: light dark; font: 14px/1.45 system-ui, sans-serif; }
 body { margin: 1.5rem; }
@@ -16,6 +18,7 @@ h1 { font-size: 1.2rem; }
 table { border-collapse: collapse; }
 th, td { padding: .3rem .6rem; text-align: left; vertical-align: top; border-bottom: 1px solid #8886; }
 th { position: sticky; top: 0; background: Canvas; }
+td.long { min-width: 22rem; }
 td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
 """
 
@@ -41,7 +44,9 @@ def _cell(column: str, value: object) -> str:
     if column == "verdict":
         return f'<td class="{escape(str(value).replace(" ", "-"))}">{escape(str(value))}</td>'
     if isinstance(value, bool) or not isinstance(value, int | float):
-        return f"<td>{escape(str(value)) if not _missing(value) else ''}</td>"
+        text = "" if _missing(value) else str(value)
+        kind = ' class="long"' if len(text) > LONG_TEXT else ""
+        return f"<td{kind}>{escape(text)}</td>"
     return f'<td class="number">{_number(value)}</td>'
 
 
