@@ -3,62 +3,59 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from math import prod
 from typing import Any
 
-# Measured on 2 cores of a 2.6 GHz EPYC; indications, not promises (see results/<run>/run.json for a run's own).
-SECONDS_PER_CELL_SCORE = 8e-6
-SECONDS_PER_TRAINING_WALK = 0.03
-SECONDS_PER_TRIAL = 0.012
-SECONDS_PER_RUN = 120.0
-BYTES_PER_TRAINING_WALK = 45_000
-BYTES_PER_CELL = 6
+# Measured on 2 cores of a 2.6 GHz EPYC; indications, not promises (results/<run>/run.json has a run's own).
+SECONDS_PER_RUN = 150.0
+SECONDS_PER_TRAINING_WALK = 0.02
+SECONDS_PER_CELL_SCORE = 6e-6
+SECONDS_PER_TRIAL = 0.004
+BYTES_PER_RUN = 15e6
+BYTES_PER_TRAINING_WALK = 60_000
 BYTES_PER_SCENARIO_WALK = 12_000
+BYTES_PER_MAP_CELL = 25
 
 
-@dataclass(frozen=True)
-class Estimate:
-    """Size of a run.
-
-    Attributes
-    ----------
-    training_walks, scenario_walks, cells, maps : counts, replicates included
-    wall_minutes : time on the given number of cores
-    disk_gb : size of the results
-    """
-
-    training_walks: int
-    scenario_walks: int
-    cells: int
-    maps: int
-    wall_minutes: float
-    disk_gb: float
-
-
-def estimate(config: Mapping[str, Any], walks_per_set: int, cores: int) -> Estimate:
-    """Size of a run from its completed configuration.
+def estimate(config: Mapping[str, Any], walks_per_set: int, cores: int) -> str:
+    """One sentence on the size of a run.
 
     Parameters
     ----------
+    config : completed configuration
     walks_per_set : walks in one set of all scenarios together
     cores : that work at the same time
     """
-    replicates = config["replicates"]
+    cells = prod(len(axis["values"]) if "values" in axis else axis["count"] for axis in config["space"])
+    if config["source"]["kind"] != "synthetic":
+        return (
+            f"the walks of {config['source']['path']} x {cells} parameter vectors, leaving out one participant at a time; "
+            f"about {_minutes(SECONDS_PER_RUN, cores)} and {_size(BYTES_PER_RUN)} for fewer than a hundred walks"
+        )
+    training, scenario = training_walks(config), config["replicates"] * sum(config["record_scenario"]["sets"]) * walks_per_set
+    maps = config["replicates"] * (config["blending_space"]["entries"] or training)
+    variants = 3 + 6 + len(config["sweep_neighbours"]["k"])
+    seconds = config["replicates"] * SECONDS_PER_RUN + scenario * variants * SECONDS_PER_TRIAL
+    seconds += training * (SECONDS_PER_TRAINING_WALK + cells * SECONDS_PER_CELL_SCORE)
+    disk = BYTES_PER_RUN + training * BYTES_PER_TRAINING_WALK + scenario * BYTES_PER_SCENARIO_WALK
+    disk += maps * cells * BYTES_PER_MAP_CELL
+    return (
+        f"{training} training walks x {cells} parameter vectors, a blending space of {maps} maps, {scenario} evaluated walks; "
+        f"about {_minutes(seconds, cores)} and {_size(disk)}"
+    )
+
+
+def training_walks(config: Mapping[str, Any]) -> int:
+    """Walks out of experiment 1, the flawed ones included, in all replicates."""
     design = config["record_training"]
     straight = len(design["straight_distances_m"]) * design["straight_repetitions"]
     turning = len(design["turning_angles_deg"]) * len(design["turning_distances_m"]) * design["turning_repetitions"]
-    training = replicates * config["participants"]["training"]["count"] * (straight + turning)
-    scenario = replicates * sum(config["record_scenario"]["sets"]) * walks_per_set
-    cells = prod(len(axis["values"]) if "values" in axis else axis["count"] for axis in config["space"])
-    maps = replicates * (config["blending_space"]["entries"] or training)
-    variants = 3 + 6 + len(config["sweep_neighbours"]["k"])
-    seconds = (
-        SECONDS_PER_RUN
-        + training * (SECONDS_PER_TRAINING_WALK + cells * SECONDS_PER_CELL_SCORE)
-        + scenario * variants * SECONDS_PER_TRIAL
-    )
-    disk = (
-        training * BYTES_PER_TRAINING_WALK + scenario * BYTES_PER_SCENARIO_WALK + (training + 3 * maps) * cells * BYTES_PER_CELL
-    )
-    return Estimate(training, scenario, cells, maps, seconds / cores / 60, disk / 1e9)
+    return config["replicates"] * config["participants"]["training"]["count"] * (straight + turning)
+
+
+def _minutes(core_seconds: float, cores: int) -> str:
+    return f"{max(1, round(core_seconds / cores / 60))} min on {cores} cores"
+
+
+def _size(size_bytes: float) -> str:
+    return f"{size_bytes / 1e9:.1f} GB" if size_bytes >= 1e9 else f"{size_bytes / 1e6:.0f} MB"

@@ -75,3 +75,23 @@ def test_the_manual_lists_every_leaf_with_its_unit():
     assert "| `radius_m` | number | m | `0.25` |" in text
     assert "| `training.height_m` |" in text
     assert text == (ROOT / "config/README.md").read_text()
+
+
+# What may stand beside the keywords of JSON Schema: a comma in an unquoted description makes a new key.
+OWN_KEYWORDS = {"unit", "leaf"}
+KEYWORDS = {
+    "$schema", "$ref", "$defs", "title", "description", "type", "properties", "required", "additionalProperties", "default",
+    "enum", "items", "minItems", "maxItems", "minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "pattern", "oneOf",
+}  # fmt: skip
+
+
+def unknown_keywords(schema: object) -> set[str]:
+    if not isinstance(schema, dict):
+        return set()
+    children = [*schema.get("properties", {}).values(), *schema.get("$defs", {}).values(), schema.get("items")]
+    return (set(schema) - KEYWORDS - OWN_KEYWORDS).union(*(unknown_keywords(child) for child in children))
+
+
+def test_the_schema_uses_known_keywords_only():
+    assert unknown_keywords(SCHEMA) == set()
+    assert unknown_keywords({"properties": {"x": {"type": "string", "typo) and more": None}}}) == {"typo) and more"}

@@ -61,10 +61,10 @@ def test_the_whole_study_leaves_every_figure_table_and_record(finished):
 
 
 def test_one_core_and_four_shards_give_the_same_data_as_two_and_two(finished, project):
-    project.run("--cores", "1", *TINY, "--config", "shards=4", "--until", "simulate_trials", "sweep_neighbours")
+    project.run("--cores", "1", *TINY, "--config", "shards=4", "--until", "check_claims")
     sharded = ("record_training", "extract_training", "plan_training", "score_maps")
     ours, theirs = project.checksums(skip=sharded), finished.checksums(skip=sharded)
-    assert len(ours) > 10
+    assert {"claims.csv", "0/ablate_parameters/ablations.csv", "0/leave_out/summary.csv"} <= set(ours)
     assert ours == {name: theirs[name] for name in ours}
     for stage, file in (("extract_training", "samples.parquet"), ("plan_training", "vectors.parquet")):
         first, second = (

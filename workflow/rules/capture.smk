@@ -3,6 +3,11 @@
 SYNTHETIC = CONFIG["source"]["kind"] == "synthetic"
 TURNS = [f"turn_{angle}" for angle in CONFIG["record_training"]["turning_angles_deg"]]
 WALKS = "extract_training" if SYNTHETIC else "import_walks"
+TRAINING_PLANS = (
+    expand("config/scenes/{turn}.yaml", turn=TURNS)
+    if SYNTHETIC
+    else CONFIG["source"]["plans"]
+)
 
 
 rule draw_participants:

@@ -9,6 +9,8 @@ from snakemake.exceptions import WorkflowError
 from walklab import code_digest, job_environment
 from walklab.configuration import complete, load_schema
 from walklab.errors import InputError
+from walklab.estimate import estimate
+from walklab.geometry.plans import load_plan
 
 ROOT = Path(workflow.basedir)
 job_environment.prepare(ROOT)
@@ -29,6 +31,10 @@ def check_files(config):
     named = {f"scenarios.{name}": path for name, path in config["scenarios"].items()}
     if config["source"]["kind"] != "synthetic":
         named["source.path"] = os.path.expandvars(config["source"]["path"] or "")
+        named |= {
+            f"source.plans.{index}": path
+            for index, path in enumerate(config["source"]["plans"])
+        }
     for key, path in named.items():
         if not Path(path).exists():
             raise WorkflowError(
@@ -85,18 +91,10 @@ def assumption_sources():
 
 def announce():
     """One paragraph before the run: what it computes, about how long and how much disk it takes."""
-    from walklab.estimate import estimate
-    from walklab.geometry.plans import load_plan
-
     walks_per_set = sum(
         len(load_plan(ROOT / path).walks) for path in CONFIG["scenarios"].values()
     )
-    size = estimate(CONFIG, walks_per_set, workflow.cores)
-    return (
-        f"walklab {CONFIG['run']}: {size.training_walks} training walks x {size.cells} parameter vectors, "
-        f"a blending space of {size.maps} maps, {size.scenario_walks} evaluated walks; "
-        f"about {size.wall_minutes:.0f} min on {workflow.cores} cores and {size.disk_gb:.1f} GB in {RUN}/."
-    )
+    return f"walklab {CONFIG['run']}: {estimate(CONFIG, walks_per_set, workflow.cores)} in {RUN}/."
 
 
 def source_files(wildcards):
@@ -129,5 +127,11 @@ def page(name):
 
 
 def benchmarks(wildcards, input):
-    """Benchmark files of every job that led to the results."""
-    return sorted(str(path) for path in Path(RUN).glob("[0-9]*/**/benchmark.tsv"))
+    """Benchmark files of every job of this configuration; an earlier one may have left others."""
+    parts = {str(number) for number in SHARDS} | set(SCENARIOS)
+    found = [
+        path
+        for replicate in REPLICATES
+        for path in Path(f"{RUN}/{replicate}").rglob("benchmark.tsv")
+    ]
+    return sorted(str(path) for path in found if set(path.parts[4:-1]) <= parts)

@@ -21,7 +21,9 @@ rule draw_fig03:
     output:
         figure("fig03", "Setting"),
     log:
-        f"{RUN}/figures/logs/fig03.txt",
+        first(stage("draw_fig03", "log.txt")),
+    benchmark:
+        first(stage("draw_fig03", "benchmark.tsv"))
     params:
         code=code("draw_fig03.py"),
     script:
@@ -36,7 +38,9 @@ rule draw_fig04:
     output:
         figure("fig04", "Capture"),
     log:
-        f"{RUN}/figures/logs/fig04.txt",
+        first(stage("draw_fig04", "log.txt")),
+    benchmark:
+        first(stage("draw_fig04", "benchmark.tsv"))
     params:
         code=code("draw_fig04.py"),
     script:
@@ -49,7 +53,9 @@ rule draw_fig05:
     output:
         figure("fig05", "Model"),
     log:
-        f"{RUN}/figures/logs/fig05.txt",
+        first(stage("draw_fig05", "log.txt")),
+    benchmark:
+        first(stage("draw_fig05", "benchmark.tsv"))
     params:
         **section("blending_space"),
         code=code("draw_fig05.py"),
@@ -63,7 +69,9 @@ rule draw_fig06:
     output:
         figure("fig06", "Model"),
     log:
-        f"{RUN}/figures/logs/fig06.txt",
+        first(stage("draw_fig06", "log.txt")),
+    benchmark:
+        first(stage("draw_fig06", "benchmark.tsv"))
     params:
         code=code("draw_fig06.py"),
     script:
@@ -77,7 +85,9 @@ rule draw_dependency_clouds:
     output:
         figure("dependency_clouds", "Model"),
     log:
-        f"{RUN}/figures/logs/dependency_clouds.txt",
+        first(stage("draw_dependency_clouds", "log.txt")),
+    benchmark:
+        first(stage("draw_dependency_clouds", "benchmark.tsv"))
     params:
         **section("dependencies"),
         code=code("draw_dependency_clouds.py"),
@@ -91,7 +101,9 @@ rule draw_fig08:
     output:
         figure("fig08", "Model"),
     log:
-        f"{RUN}/figures/logs/fig08.txt",
+        first(stage("draw_fig08", "log.txt")),
+    benchmark:
+        first(stage("draw_fig08", "benchmark.tsv"))
     params:
         **section("draw_fig08"),
         code=code("draw_fig08.py"),
@@ -105,7 +117,9 @@ rule draw_fig09:
     output:
         figure("fig09", "Model"),
     log:
-        f"{RUN}/figures/logs/fig09.txt",
+        first(stage("draw_fig09", "log.txt")),
+    benchmark:
+        first(stage("draw_fig09", "benchmark.tsv"))
     params:
         **TRIALS,
         code=code("draw_fig09.py"),
@@ -122,7 +136,9 @@ rule draw_fig10:
     output:
         figure("fig10", "Evaluation"),
     log:
-        f"{RUN}/figures/logs/fig10.txt",
+        first(stage("draw_fig10", "log.txt")),
+    benchmark:
+        first(stage("draw_fig10", "benchmark.tsv"))
     params:
         **section("seed", "scenarios", "planner", "space", "dependencies"),
         code=code("draw_fig10.py"),
@@ -137,7 +153,9 @@ rule draw_fig13:
     output:
         figure("fig13", "Analyses"),
     log:
-        f"{RUN}/figures/logs/fig13.txt",
+        first(stage("draw_fig13", "log.txt")),
+    benchmark:
+        first(stage("draw_fig13", "benchmark.tsv"))
     params:
         code=code("draw_fig13.py"),
     script:
@@ -152,7 +170,9 @@ rule draw_fig14:
     output:
         figure("fig14", "Analyses"),
     log:
-        f"{RUN}/figures/logs/fig14.txt",
+        first(stage("draw_fig14", "log.txt")),
+    benchmark:
+        first(stage("draw_fig14", "benchmark.tsv"))
     params:
         code=code("draw_fig14.py"),
     script:
@@ -166,7 +186,9 @@ rule draw_fig15:
     output:
         figure("fig15", "Analyses"),
     log:
-        f"{RUN}/figures/logs/fig15.txt",
+        first(stage("draw_fig15", "log.txt")),
+    benchmark:
+        first(stage("draw_fig15", "benchmark.tsv"))
     params:
         code=code("draw_fig15.py"),
     script:
@@ -179,7 +201,9 @@ rule draw_claims:
     output:
         figure("claims", "Verdicts"),
     log:
-        f"{RUN}/figures/logs/claims.txt",
+        first(stage("draw_claims", "log.txt")),
+    benchmark:
+        first(stage("draw_claims", "benchmark.tsv"))
     params:
         code=code("draw_claims.py"),
     script:
@@ -193,7 +217,9 @@ rule draw_scores:
     output:
         figure("scores", "Evaluation"),
     log:
-        f"{RUN}/figures/logs/scores.txt",
+        first(stage("draw_scores", "log.txt")),
+    benchmark:
+        first(stage("draw_scores", "benchmark.tsv"))
     params:
         code=code("draw_scores.py"),
     script:
@@ -215,7 +241,9 @@ rule draw_fig11:
     output:
         figure("fig11", "Evaluation"),
     log:
-        f"{RUN}/figures/logs/fig11.txt",
+        first(stage("draw_fig11", "log.txt")),
+    benchmark:
+        first(stage("draw_fig11", "benchmark.tsv"))
     params:
         code=code("draw_errors.py"),
         scenario=SCENARIOS[0],
@@ -240,7 +268,9 @@ rule draw_fig12:
     output:
         figure("fig12", "Evaluation"),
     log:
-        f"{RUN}/figures/logs/fig12.txt",
+        first(stage("draw_fig12", "log.txt")),
+    benchmark:
+        first(stage("draw_fig12", "benchmark.tsv"))
     params:
         code=code("draw_errors.py"),
         scenario=SCENARIOS[1],

@@ -50,9 +50,11 @@ rule publish_scores:
             f"{RUN}/summary.csv", caption="../report/table.rst", category="Tables"
         ),
     log:
-        f"{RUN}/logs/publish_scores.txt",
+        first(stage("publish_scores", "log.txt")),
+    benchmark:
+        first(stage("publish_scores", "benchmark.tsv"))
     shell:
-        "cp {input.scores} {output.scores} && cp {input.summary} {output.summary} 2> {log}"
+        "{{ cp {input.scores} {output.scores} && cp {input.summary} {output.summary}; }} 2> {log}"
 
 
 rule record_run:
@@ -61,7 +63,7 @@ rule record_run:
     output:
         record=f"{RUN}/run.json",
     log:
-        f"{RUN}/logs/record_run.txt",
+        first(stage("record_run", "log.txt")),
     params:
         code=code("record_run.py"),
         config=CONFIG,

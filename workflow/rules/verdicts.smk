@@ -26,7 +26,9 @@ rule check_claims:
     output:
         claims=f"{RUN}/claims.csv",
     log:
-        f"{RUN}/logs/check_claims.txt",
+        first(stage("check_claims", "log.txt")),
+    benchmark:
+        first(stage("check_claims", "benchmark.tsv"))
     params:
         **section("scenarios"),
         code=code("check_claims.py"),
@@ -42,7 +44,9 @@ rule list_assumptions:
         assumptions=f"{RUN}/tables/assumptions.csv",
         inconsistencies=f"{RUN}/tables/inconsistencies.csv",
     log:
-        f"{RUN}/logs/list_assumptions.txt",
+        first(stage("list_assumptions", "log.txt")),
+    benchmark:
+        first(stage("list_assumptions", "benchmark.tsv"))
     params:
         code=code("list_assumptions.py"),
         root=os.path.relpath(ROOT),
@@ -126,7 +130,9 @@ rule render_tables:
     output:
         pages=[page(name) for name in TABLES],
     log:
-        f"{RUN}/logs/render_tables.txt",
+        first(stage("render_tables", "log.txt")),
+    benchmark:
+        first(stage("render_tables", "benchmark.tsv"))
     params:
         code=code("render_tables.py"),
         titles=list(TABLE_TITLES.values()),
