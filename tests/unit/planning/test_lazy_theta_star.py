@@ -16,9 +16,9 @@ from walklab.errors import InputError
 from walklab.geometry.curves import length
 from walklab.geometry.scene import Body, Scene, State, Task, disc
 from walklab.planning.grid import build_grid, search_window
-from walklab.planning.lazy_theta_star import lazy_theta_star
+from walklab.planning.lazy_theta_star import lazy_theta_star, search
 from walklab.planning.routes import RouteFinder
-from walklab.planning.theta_kernel import search, tighten
+from walklab.planning.theta_kernel import tighten
 
 RADIUS_M = 0.25
 
@@ -122,7 +122,7 @@ def test_pulling_taut_never_lengthens_and_keeps_clear() -> None:
         grid = build_grid(scene, RADIUS_M, [start, goal])
         ends = np.array([start, goal]) / grid.cell_m
         window = np.array(search_window(scene, RADIUS_M, grid.cell_m, [start, goal]))
-        plain = search(grid.clearance_cells, grid.first, window, grid.nodes, grid.next_epoch(), ends)
+        plain = search(grid.clearance_cells, grid.first, window, grid.notes, ends)
         taut = tighten(grid.clearance_cells, grid.first, plain)
         assert length(taut) <= length(plain) + 1e-9
         assert length(plain) * grid.cell_m < 1.006 * exact_shortest_m(scene, RADIUS_M, start, goal)
