@@ -12,14 +12,16 @@ from numpy.typing import NDArray
 
 from walklab.errors import InputError
 from walklab.geometry.scene import Point
-from walklab.planning.grid import OccupancyGrid, free_point, search_window
-from walklab.planning.theta_kernel import search, tighten
+from walklab.planning.grid import Notes, OccupancyGrid, free_point, search_window
+from walklab.planning.theta_kernel import RING, Cells, expand, shut, tighten
 
 Array = NDArray[np.float64]
 
 # ASSUME: a start or end that overlaps a grown obstacle by up to 0.10 m is accepted, because people stand closer to racks than
 # a disc of the body radius allows and captured positions scatter; the path then leads to it from the nearest free vertex.
 SNAP_M = 0.10
+
+ROOM = 1 << 14  # entries of the open list to begin with
 
 
 def lazy_theta_star(grid: OccupancyGrid, start_m: Point, goal_m: Point, snap_m: float = SNAP_M) -> Array:
@@ -43,7 +45,7 @@ def lazy_theta_star(grid: OccupancyGrid, start_m: Point, goal_m: Point, snap_m: 
     Notes
     -----
     Nash, Koenig, Tovey 2010, algorithm 2, with an open list of narrow buckets. Its path bends at few vertices, which around
-    round corners is about 0.1 % longer than the shortest way; pulling it taut afterwards leaves about 0.03 %.
+    round corners is about 0.1 % longer than the shortest way; pulling it taut afterwards leaves 0.007 %, at most 0.02 %.
     """
     begin = free_point(grid, start_m, "start", snap_m)
     end = free_point(grid, goal_m, "end", snap_m)
@@ -52,7 +54,7 @@ def lazy_theta_star(grid: OccupancyGrid, start_m: Point, goal_m: Point, snap_m: 
     else:
         window = np.array(search_window(grid.scene, grid.radius_m, grid.cell_m, [begin, end]), dtype=np.int64)
         ends = np.array([begin, end], dtype=float) / grid.cell_m
-        path = search(grid.clearance_cells, grid.first, window, grid.nodes, grid.next_epoch(), ends)
+        path = search(grid.clearance_cells, grid.first, window, grid.notes, ends)
         if not len(path):
             raise InputError(
                 f"scene {grid.scene.name}: no way from ({start_m[0]:.3f}, {start_m[1]:.3f}) to ({goal_m[0]:.3f}, {goal_m[1]:.3f})"
@@ -68,3 +70,55 @@ def _without_repeats(path: Array) -> Array:
     keep = np.concatenate([[True], np.any(np.diff(path, axis=0) != 0.0, axis=1)])
     kept = path[keep]
     return kept if len(kept) > 1 else path[[0, -1]]
+
+
+def search(
+    clearance: NDArray[np.float32], first: Cells, window: NDArray[np.int64], notes: Notes, ends: Array, room: int = ROOM
+) -> Array:
+    """The path between two points in lattice coordinates that do not see each other.
+
+    Parameters
+    ----------
+    clearance, first : see :class:`walklab.planning.grid.OccupancyGrid`
+    window : first column, first row, last column, last row; the vertices on its border are not used
+    notes : of this grid
+    ends : (2, 2) array, start and goal
+    room : entries of the open list to begin with
+
+    Returns
+    -------
+    (n, 2) array from start to goal; (0, 2) if there is no path
+
+    Notes
+    -----
+    A *source* is a vertex that others have as parent: u, v, g and its node. Source 0 stands for what lies outside the window,
+    source 1 for the start. The g of a vertex is that of its source and the distance to it, so it is not stored.
+    Each bucket of the open list is a chain of entries (node, next entry), the latest first; unused entries form another.
+    """
+    base = notes.begin()
+    goal, start = clearance.size, clearance.size + 1
+    sources = np.zeros((1024, 4))
+    sources[0] = 0.0, 0.0, np.inf, -1.0
+    sources[1] = ends[0, 0], ends[0, 1], 0.0, start
+    heads = np.full(RING, -1, dtype=np.int32)
+    entries = np.column_stack([np.zeros(room), np.arange(1, room + 1)]).astype(np.int32)
+    entries[0], heads[0] = (start, -1), 0
+    notes.stamps[start] = base + 2
+    shut(notes.stamps, clearance.shape[1], first, window, base + 1)
+    progress = np.array([0, 0, 2, 1, room - 1])  # bucket, last bucket, sources, first unused entry, unused entries
+    arrays = (clearance, clearance.ravel(), first, ends, base, notes.stamps, notes.source_of)
+    while not expand(*arrays, sources, heads, entries, progress):
+        sources = np.concatenate([sources, np.empty_like(sources)])
+        size = len(entries)
+        entries = np.concatenate([entries, np.column_stack([np.zeros(size), np.arange(size + 1, 2 * size + 1)]).astype(np.int32)])
+        entries[-1, 1] = progress[3]
+        progress[3:] = size, progress[4] + size
+    notes.base = base + 2 * int(progress[2])
+    if notes.stamps[goal] < base:
+        return np.empty((0, 2))
+    path, node = [ends[1]], goal
+    while node != start:
+        source = sources[(notes.stamps[node] - base) >> 1]
+        path.append(source[:2])
+        node = int(source[3])
+    return np.array(path[::-1])

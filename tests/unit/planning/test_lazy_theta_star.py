@@ -16,9 +16,9 @@ from walklab.errors import InputError
 from walklab.geometry.curves import length
 from walklab.geometry.scene import Body, Scene, State, Task, disc
 from walklab.planning.grid import build_grid, search_window
-from walklab.planning.lazy_theta_star import lazy_theta_star
+from walklab.planning.lazy_theta_star import lazy_theta_star, search
 from walklab.planning.routes import RouteFinder
-from walklab.planning.theta_kernel import search, tighten
+from walklab.planning.theta_kernel import BLOCKED, tighten
 
 RADIUS_M = 0.25
 
@@ -66,15 +66,68 @@ def test_length_is_close_to_the_exact_shortest_path() -> None:
         scene = random_room(seed)
         start, goal = (-0.3, 0.0137), (5.3, -0.0071)
         route = lazy_theta_star(build_grid(scene, RADIUS_M, [start, goal]), start, goal)
-        excess.append(length(route) / exact_shortest_m(scene, RADIUS_M, start, goal) - 1)
         assert penetration_m(scene, route, RADIUS_M) < tolerance_m(RADIUS_M)
-    print(
-        f"excess: median {np.median(excess):.2e}, mean {np.mean(excess):.2e}, max {np.max(excess):.2e}, min {np.min(excess):.2e}"
-    )
+        if len(route) > 2:
+            excess.append(length(route) / exact_shortest_m(scene, RADIUS_M, start, goal) - 1)
+    print(f"excess: mean {np.mean(excess):.2e}, max {np.max(excess):.2e}, min {np.min(excess):.2e} of {len(excess)}")
     # Chords across round corners may be shorter than the arc by a few 1e-5, never by more.
     assert min(excess) > -1e-4
-    assert np.mean(excess) < 5e-4
-    assert max(excess) < 1e-3
+    assert np.mean(excess) < 2e-4
+    assert max(excess) < 5e-4
+
+
+def test_length_of_the_reference_query() -> None:
+    scene = Scene("hall", {"left": box(3, 1, 4, 8), "right": box(6, -1, 7, 6.2)})
+    start, goal = (0.5, 4.0), (9.5, 4.0)
+    route = lazy_theta_star(build_grid(scene, RADIUS_M, [start, goal]), start, goal)
+    assert length(route) == pytest.approx(exact_shortest_m(scene, RADIUS_M, start, goal), rel=2e-4)
+    assert penetration_m(scene, route, RADIUS_M) < tolerance_m(RADIUS_M)
+
+
+def searched(scene: Scene, radius_m: float, start: tuple[float, float], goal: tuple[float, float], **room: int):
+    """A grid that has been searched once, and the path found (cells)."""
+    grid = build_grid(scene, radius_m, [start, goal])
+    window = np.array(search_window(scene, radius_m, grid.cell_m, [start, goal]))
+    return grid, search(grid.clearance_cells, grid.first, window, grid.notes, np.array([start, goal]) / grid.cell_m, **room)
+
+
+@settings(max_examples=12, deadline=None)
+@given(seed=st.integers(0, 10_000), radius=st.sampled_from([0.02, 0.1, 0.25]), y=st.floats(-1, 1))
+def test_every_expanded_vertex_sees_its_parent(seed: int, radius: float, y: float) -> None:
+    scene, start = random_room(seed), (-0.3, y)
+    grid, _ = searched(scene, radius, start, (5.3, 0.0))
+    stamps = grid.notes.stamps[:-2].reshape(grid.clearance_cells.shape)
+    expanded = (stamps > 3) & (stamps % 2 == 1) & (stamps != BLOCKED)
+    rows, columns = np.nonzero(expanded)
+    source = (stamps[expanded] - 2) // 2
+    sources = np.zeros((source.max() + 1, 2))
+    sources[1] = start
+    # A source is a vertex that was expanded; which one is what the notes remember.
+    nodes = np.nonzero((grid.notes.source_of >= 2) & expanded.ravel())[0]
+    where = np.column_stack([nodes % stamps.shape[1] + grid.first[0], nodes // stamps.shape[1] + grid.first[1]])
+    sources[grid.notes.source_of[nodes]] = where * grid.cell_m
+    vertices = np.column_stack([columns + grid.first[0], rows + grid.first[1]]) * grid.cell_m
+    lines = shapely.linestrings(np.stack([sources[source], vertices], axis=1))
+    everything = shapely.union_all(list(scene.obstacles.values()))
+    shapely.prepare(everything)
+    assert len(lines) > 100
+    assert not np.any(shapely.dwithin(lines, everything, radius - tolerance_m(radius)))
+
+
+def test_an_open_list_that_grows_changes_nothing() -> None:
+    for seed in range(4):
+        paths = [searched(random_room(seed), RADIUS_M, (-0.3, 0.0), (5.3, 0.0), room=room)[1] for room in (16, 1 << 14)]
+        assert np.array_equal(*paths)
+
+
+def test_stamps_that_run_out_start_anew() -> None:
+    scene, start, goal = random_room(3), (-0.3, 0.0), (5.3, 0.0)
+    grid = build_grid(scene, RADIUS_M, [start, goal])
+    before = lazy_theta_star(grid, start, goal)
+    grid.notes.base = BLOCKED + 1 - 2 * grid.notes.stamps.size
+    assert np.array_equal(lazy_theta_star(grid, start, goal), before)
+    assert grid.notes.base < 2 * grid.notes.stamps.size
+    assert np.array_equal(lazy_theta_star(grid, start, goal), before)
 
 
 @settings(max_examples=60, deadline=None)
@@ -119,10 +172,7 @@ def test_routes_keep_clear_of_obstacles_and_join_their_ends(seed: int, ends: tup
 def test_pulling_taut_never_lengthens_and_keeps_clear() -> None:
     for seed in range(12):
         scene, start, goal = random_room(seed), (-0.3, 0.0137), (5.3, -0.0071)
-        grid = build_grid(scene, RADIUS_M, [start, goal])
-        ends = np.array([start, goal]) / grid.cell_m
-        window = np.array(search_window(scene, RADIUS_M, grid.cell_m, [start, goal]))
-        plain = search(grid.clearance_cells, grid.first, window, grid.nodes, grid.next_epoch(), ends)
+        grid, plain = searched(scene, RADIUS_M, start, goal)
         taut = tighten(grid.clearance_cells, grid.first, plain)
         assert length(taut) <= length(plain) + 1e-9
         assert length(plain) * grid.cell_m < 1.006 * exact_shortest_m(scene, RADIUS_M, start, goal)
