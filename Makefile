@@ -2,6 +2,7 @@
 # make small    the same study, shrunk to about a minute
 # make real     leave-one-subject-out on real walks (needs WALKLAB_DATA)
 # make test     all tests          make lint   all checks of style and structure
+# make bench    every benchmark beside its baseline: results/bench/summary.json
 # make manual   config/README.md   make lock   requirements.lock
 # make clean    remove results and the environment
 
@@ -10,7 +11,7 @@ BIN := .venv/bin
 SNAKEMAKE := $(BIN)/snakemake
 export WALKLAB_DATA ?= ../shared/data
 
-.PHONY: all small real own test lint manual lock clean
+.PHONY: all small real own test bench lint manual lock clean
 .DEFAULT_GOAL := all
 
 all: .venv/ready
@@ -32,6 +33,9 @@ own: .venv/ready
 test: .venv/ready
 	$(BIN)/python -m pytest tests/unit -n 2 --dist loadfile
 	$(BIN)/python -m pytest tests/workflow
+
+bench: .venv/ready
+	$(BIN)/python benchmarks/run.py
 
 lint: .venv/ready
 	$(BIN)/ruff check .

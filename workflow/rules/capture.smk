@@ -36,7 +36,7 @@ rule record_training:
     benchmark:
         stage("record_training", "benchmark.tsv", "shard")
     params:
-        **section("seed", "record_training", "generator", "shards"),
+        **section("seed", "record_training", "generator", "shards", "standing"),
         code=code("record_training.py"),
     script:
         "../scripts/record_training.py"
@@ -54,7 +54,7 @@ rule record_scenario:
     benchmark:
         stage("record_scenario", "benchmark.tsv", "scenario")
     params:
-        **section("seed", "record_scenario", "generator"),
+        **section("seed", "record_scenario", "generator", "standing"),
         code=code("record_scenario.py"),
     script:
         "../scripts/record_scenario.py"

@@ -13,12 +13,14 @@ FIRST_SCENARIO = {
     name: path.replace("{scenario}", SCENARIOS[0])
     for name, path in MODEL_INPUTS.items()
 }
+FIRST_SCENARIO["plan"] = CONFIG["scenarios"][SCENARIOS[0]]
 TRIALS = section("seed", "planner", "space", "dependencies", "standing", "metric")
 
 
 rule simulate_trials:
     input:
         **MODEL_INPUTS,
+        plan=lambda wildcards: CONFIG["scenarios"][wildcards.scenario],
     output:
         trials=stage("simulate_trials", "trials.parquet", "scenario"),
     log:

@@ -54,7 +54,7 @@ rule score_maps:
     benchmark:
         stage("score_maps", "benchmark.tsv", "shard")
     params:
-        **section("planner", "space", "metric", "dependencies"),
+        **section("planner", "space", "metric", "standing", "dependencies"),
         code=code("score_maps.py"),
     script:
         "../scripts/score_maps.py"

@@ -89,6 +89,13 @@ _TABLES = {
             ),
         )
     },
+    **{
+        f"floor_{scenario}": (
+            first(rules.floor_grid.output.floor).replace("{scenario}", scenario),
+            f"Error floor of the grid: each walk with the best cell of its own map, {scenario}",
+        )
+        for scenario in SCENARIOS
+    },
     "ablations": (first(rules.ablate_parameters.output.ablations), "Ablations"),
     "leave_out": (first(rules.leave_out.output.summary), "Leave-one-out checks"),
     "neighbours": (

@@ -5,6 +5,7 @@ from capture_inputs import constants_of, participants_of_group
 from walklab.capture.io import write_poses, write_truth
 from walklab.capture.scenario import ScenarioDesign, record_scenario
 from walklab.geometry.plans import load_plan
+from walklab.geometry.standing import Standing
 
 if __name__ == "__main__":
     with job(snakemake):
@@ -15,6 +16,7 @@ if __name__ == "__main__":
             constants_of(snakemake.params.generator),
             snakemake.params.seed,
             int(snakemake.wildcards.replicate),
+            standing=Standing(**snakemake.params.standing),
         )
         write_poses(poses, snakemake.output.poses)
         write_truth(truth, snakemake.output.truth)

@@ -4,6 +4,7 @@ from adapter import job
 from capture_inputs import constants_of, participants_of_group, participants_of_shard, plans_by_scene
 from walklab.capture.io import write_recording, write_truth
 from walklab.capture.training import TrainingDesign, record_training
+from walklab.geometry.standing import Standing
 
 if __name__ == "__main__":
     with job(snakemake):
@@ -15,6 +16,7 @@ if __name__ == "__main__":
             constants_of(snakemake.params.generator),
             snakemake.params.seed,
             int(snakemake.wildcards.replicate),
+            standing=Standing(**snakemake.params.standing),
             all_participants=tuple(everyone["participant"]),
         )
         write_recording(recording, snakemake.output.recording)

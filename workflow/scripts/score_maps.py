@@ -3,6 +3,7 @@
 from adapter import job
 from planner_inputs import planner_of
 from walklab.capture.walks import read_walks
+from walklab.geometry.standing import Standing
 from walklab.planning.io import read_routes
 from walklab.steering.dependencies import DEPENDENCIES
 from walklab.steering.io import SuitabilityMaps, write_maps
@@ -15,7 +16,7 @@ if __name__ == "__main__":
     with job(snakemake):
         walks = read_walks(snakemake.input.walks, snakemake.input.samples)
         planner, space = planner_of(snakemake.params.planner, snakemake.params.space)
-        metric = metric_named(snakemake.params.metric)
+        metric = metric_named(snakemake.params.metric, Standing(**snakemake.params.standing))
         batch = pack(walks, read_routes(snakemake.input.routes), planner)
         scores = score_walks(planner, batch, space.cells, metric, snakemake.params.planner["time_limit_s"])
         names = [walk.row["walk"] for walk in walks]

@@ -1,6 +1,6 @@
 """What the scripts of the evaluation make of the files and parameters they share."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import Any
 
 import pandas as pd
@@ -9,6 +9,8 @@ from numpy.typing import NDArray
 from map_inputs import indexed_vectors
 from planner_inputs import planner_of
 from walklab.capture.walks import Walk, read_walks
+from walklab.geometry.plans import load_plan
+from walklab.geometry.scene import Scene
 from walklab.geometry.standing import Standing
 from walklab.planning.io import read_routes
 from walklab.planning.protocol import Planner
@@ -28,12 +30,25 @@ class TrialInputs:
     standing: Standing
     time_limit_s: float
     metric: str
+    scenes: dict[str, Scene]
     seed: int
     replicate: int
 
     def arguments(self) -> dict[str, Any]:
         """All but the models, as ``simulate_trials`` takes them."""
-        names = ("planner", "walks", "routes", "vectors", "standing", "time_limit_s", "metric", "seed", "replicate")
+        names = (
+            "planner",
+            "walks",
+            "routes",
+            "vectors",
+            "standing",
+            "time_limit_s",
+            "metric",
+            "seed",
+            "replicate",
+            "space",
+            "scenes",
+        )
         return {name: getattr(self, name) for name in names}
 
 
@@ -44,6 +59,7 @@ def trial_inputs(snakemake: Any) -> TrialInputs:
     walks = read_walks(files.walks, files.samples)
     table: pd.DataFrame = read_table(files.vectors).set_index("walk").loc[[walk.row["walk"] for walk in walks]]
     vectors = indexed_vectors(table, params.dependencies, index="planned").to_numpy()
+    scene = load_plan(files.plan).scene
     return TrialInputs(
         walks,
         read_routes(files.routes),
@@ -53,6 +69,7 @@ def trial_inputs(snakemake: Any) -> TrialInputs:
         Standing(**params.standing),
         params.planner["time_limit_s"],
         params.metric,
+        {scene.name: scene},
         params.seed,
         int(snakemake.wildcards.get("replicate", 0)),
     )
