@@ -108,14 +108,15 @@ def score_and_speed(lanes: Lanes, size: int, cx: Single, cy: Single, legs: Lanes
 
 
 @njit(cache=True, fastmath=FLAGS, error_model="numpy")
-def look_around(lanes: Lanes, size: int, legs: Lanes, leg: int, walk: Walk) -> None:
-    """Bend the line along which the walkers look where this leg begins."""
+def look_along(lanes: Lanes, size: int, legs: Lanes, leg: int, walk: Walk) -> None:
+    """Move the points looked at to this leg where they lie beyond its start."""
     total, _, _, look_ahead, _, _ = walk
-    start, bend_x, bend_y = legs[leg, 0], legs[leg, 4] - legs[leg - 1, 4], legs[leg, 5] - legs[leg - 1, 5]
+    start, px, py, dx, dy = legs[leg, 0], legs[leg, 2], legs[leg, 3], legs[leg, 4], legs[leg, 5]
     for i in range(size):
-        beyond = max(min(lanes[PROGRESS + i] + look_ahead, total) - start, ZERO)
-        lanes[TX + i] += beyond * bend_x
-        lanes[TY + i] += beyond * bend_y
+        target = min(lanes[PROGRESS + i] + look_ahead, total)
+        before_x, before_y, here_x, here_y = lanes[TX + i], lanes[TY + i], px + target * dx, py + target * dy
+        lanes[TX + i] = here_x if target > start else before_x
+        lanes[TY + i] = here_y if target > start else before_y
 
 
 @njit(cache=True, fastmath=FLAGS, error_model="numpy")
@@ -281,7 +282,7 @@ def walk_tile(
         high = leg_at(legs, first, greatest + look_ahead)
         score_and_speed(lanes, size, frames[0, n], frames[1, n], legs, first, walk)
         for leg in range(first + 1, high + 1):
-            look_around(lanes, size, legs, leg, walk)
+            look_along(lanes, size, legs, leg, walk)
         turn_and_move(lanes, size, walk)
         for leg in range(low, high + 1):
             project(lanes, size, legs, leg, walk)
