@@ -8,7 +8,7 @@ functions it calls.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -196,7 +196,7 @@ def score_cell(route: Array, captured: Array, start_speed: float, end_speed: flo
     return total
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def sweep(
     routes: Array,
     route_offsets: NDArray[np.int64],
@@ -211,7 +211,8 @@ def sweep(
 ) -> None:
     """m_Euclid of the walks in ``order`` and all parameter vectors, seconds: fills their rows of ``scores``, (walks, cells).
 
-    ``routes`` holds prepared routes back to back, ``end_speeds`` the speeds at the starts and at the ends.
+    ``routes`` holds prepared routes back to back, ``end_speeds`` the speeds at the starts and at the ends. Several threads may
+    each fill the rows of their own walks.
     """
     for walk in order:
         route = routes[route_offsets[walk] : route_offsets[walk + 1]]
@@ -221,26 +222,6 @@ def sweep(
             limits = (cells[cell, 0], cells[cell, 1], cells[cell, 2], cells[cell, 3])
             distances = score_cell(route, frames, start_speed, end_speed, limits, rule)
             scores[walk, cell] = distances * rule[3] / lengths[walk]
-
-
-@njit(cache=True, parallel=True)
-def sweep_in_threads(
-    routes: Array,
-    route_offsets: NDArray[np.int64],
-    captured: Array,
-    captured_offsets: NDArray[np.int64],
-    end_speeds: tuple[Array, Array],
-    lengths: Array,
-    order: NDArray[np.int64],
-    cells: Array,
-    rule: Rule,
-    scores: Array,
-    threads: int,
-) -> None:
-    """:func:`sweep`, the walks dealt to threads in turn. One thread does all of a walk, so that their number changes nothing."""
-    for thread in prange(threads):
-        share = order[thread::threads].copy()
-        sweep(routes, route_offsets, captured, captured_offsets, end_speeds, lengths, share, cells, rule, scores)
 
 
 @njit(cache=True)

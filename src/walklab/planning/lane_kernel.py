@@ -20,7 +20,7 @@ run to a whole number of vectors; the surplus walkers are computed and ignored. 
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 
 from walklab.planning.following_kernel import PROPORTIONAL, Rule
@@ -85,8 +85,12 @@ def walk_straight(lanes: Lanes, size: int, along: Lanes, aside: Lanes, corner: S
             lanes[PROGRESS + i] = further if straight else progress
             lanes[SPEED + i] = new if straight else speed
             lanes[FRAME + i] += ONE if straight else ZERO
-        if n % 8 == 7 and corner < FAR_M and lanes[PROGRESS : PROGRESS + size].min() + look_ahead > corner:
-            return
+        if n % 8 == 7 and corner < FAR_M:
+            waiting = 0
+            for i in range(size):
+                waiting += lanes[PROGRESS + i] + look_ahead <= corner
+            if waiting == 0:
+                return
 
 
 @njit(cache=True, fastmath=FLAGS, error_model="numpy")
@@ -318,16 +322,20 @@ def start_groups(
 @njit(cache=True)
 def queue_cells(start: Lanes, groups: Groups, last: int, scores: Array) -> NDArray[np.int64]:
     """The cells (and their groups) in the order of their first turns; those without one before the ``last`` frame are scored."""
-    queue = np.empty((len(groups[0]), 2), np.int64)
-    count = 0
-    for group in np.argsort(start[:, 0], kind="mergesort"):
-        for cell in groups[0][groups[1][group] : groups[1][group + 1]]:
-            if start[group, 0] >= last:
-                scores[cell] = start[group, 3]
+    begin = np.zeros(last + 2, np.int64)  # where the cells of each frame begin: a counting sort
+    for group in range(len(start)):
+        begin[int(start[group, 0]) + 1] += groups[1][group + 1] - groups[1][group]
+    begin = np.cumsum(begin)
+    queue = np.empty((begin[last], 2), np.int64)
+    for group in range(len(start)):
+        frame = int(start[group, 0])
+        for at in range(groups[1][group], groups[1][group + 1]):
+            if frame == last:
+                scores[groups[0][at]] = start[group, 3]
             else:
-                queue[count, 0], queue[count, 1] = cell, group
-                count += 1
-    return queue[:count]
+                queue[begin[frame], 0], queue[begin[frame], 1] = groups[0][at], group
+                begin[frame] += 1
+    return queue
 
 
 @njit(cache=True)
@@ -384,7 +392,7 @@ def score_walk(
         walk_tile(lanes, bits, queue[first : first + LANES], start, values, legs, frames, walk, scores)
 
 
-@njit(cache=True)
+@njit(cache=True, nogil=True)
 def sweep_lanes(
     routes: Array,
     route_offsets: NDArray[np.int64],
@@ -407,28 +415,6 @@ def sweep_lanes(
         frames = captured[captured_offsets[walk] : captured_offsets[walk + 1]]
         score_walk(route, frames, end_speeds[0][walk], end_speeds[1][walk], values, groups, rule, scores[walk])
         scores[walk] *= rule[3] / lengths[walk]
-
-
-@njit(cache=True, parallel=True)
-def sweep_lanes_in_threads(
-    routes: Array,
-    route_offsets: NDArray[np.int64],
-    captured: Array,
-    captured_offsets: NDArray[np.int64],
-    end_speeds: tuple[Array, Array],
-    lengths: Array,
-    order: NDArray[np.int64],
-    values: Lanes,
-    groups: Groups,
-    rule: Rule,
-    scores: Array,
-    threads: int,
-) -> None:
-    """:func:`sweep_lanes`, the walks dealt to threads in turn. One thread does all of a walk, so that their number changes
-    nothing."""
-    for thread in prange(threads):
-        share = order[thread::threads].copy()
-        sweep_lanes(routes, route_offsets, captured, captured_offsets, end_speeds, lengths, share, values, groups, rule, scores)
 
 
 def group_cells(values: Array) -> Groups:

@@ -9,7 +9,8 @@ An agent at rest cannot turn, and its smallest radius is 1 / omega.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numba
@@ -18,8 +19,8 @@ from numpy.typing import NDArray
 
 from walklab.errors import InputError
 from walklab.geometry.scene import Body, Scene, Task
-from walklab.planning.following_kernel import AT_END, CONSTANT, PROPORTIONAL, Rule, follow_route, sweep, sweep_in_threads
-from walklab.planning.lane_kernel import group_cells, sweep_lanes, sweep_lanes_in_threads
+from walklab.planning.following_kernel import AT_END, CONSTANT, PROPORTIONAL, Rule, follow_route, sweep
+from walklab.planning.lane_kernel import group_cells, sweep_lanes
 from walklab.planning.protocol import Arrival, Trajectory, WalkBatch
 from walklab.planning.routes import RouteFinder, prepare_route, prepare_routes
 
@@ -31,7 +32,7 @@ LANE_CELLS = 16  # fewer do not fill a vector
 LANE_ROUTE_M = 100.0  # single precision resolves 8 micrometres there
 LANE_ACCELERATION_M_S2 = 100.0
 TURNS_AT_ONCE = 1e6  # stands for an infinite omega in lanes: half a turn within 3 micrometres
-THREADED_STEPS = 1_000_000  # of one walker after the other, some 20 ms; on a busy machine starting threads took 4 to 12 ms
+THREADED_STEPS = 100_000  # of one walker after the other, some 2 ms; threads cost a tenth of that
 TURN_LAWS = {"proportional": PROPORTIONAL, "constant": CONSTANT}
 
 # ASSUME: the look-ahead distance is 0.30 m, because the paper gives none; it is about half a step, so that a corner is cut by a
@@ -178,22 +179,14 @@ class PathFollowing:
         speeds = _floats(batch.start_speeds_m_s), _floats(batch.end_speeds_m_s)
         packed = routes, offsets, _floats(batch.captured_m), frame_offsets, speeds, _floats(batch.lengths_m)
         in_lanes = self.in_lanes(values, speeds, routes[offsets[1:] - 1, 2])
-        frames = np.diff(frame_offsets)
+        steps = np.diff(frame_offsets) * len(values)
         if in_lanes.any():
+            singles, groups = np.minimum(values, TURNS_AT_ONCE).astype(np.float32), group_cells(values)
             # A straight walk costs little: cells that differ in omega alone are one.
-            order, threads = deal(np.flatnonzero(in_lanes), frames * np.where(np.diff(offsets) > 2, 0.1, 0.01) * len(values))
-            singles = np.minimum(values, TURNS_AT_ONCE).astype(np.float32)
-            groups = group_cells(values)
-            if threads > 1:
-                sweep_lanes_in_threads(*packed, order, singles, groups, self._rule, scores, threads)
-            else:
-                sweep_lanes(*packed, order, singles, groups, self._rule, scores)
+            work = steps * np.where(np.diff(offsets) > 2, 0.1, 0.01)
+            share_out(lambda own: sweep_lanes(*packed, own, singles, groups, self._rule, scores), np.flatnonzero(in_lanes), work)
         if not in_lanes.all():
-            order, threads = deal(np.flatnonzero(~in_lanes), frames * len(values))
-            if threads > 1:
-                sweep_in_threads(*packed, order, values, self._rule, scores, threads)
-            else:
-                sweep(*packed, order, values, self._rule, scores)
+            share_out(lambda own: sweep(*packed, own, values, self._rule, scores), np.flatnonzero(~in_lanes), steps)
         return scores
 
     def in_lanes(self, values: Array, speeds_m_s: tuple[Array, Array], route_lengths_m: Array) -> NDArray[np.bool_]:
@@ -247,13 +240,20 @@ def arrival_of(positions_m: Array, route: Array, at_end: bool, arrival_radius_m:
     return Arrival.ARRIVED if distance <= arrival_radius_m else Arrival.PASSED
 
 
-def deal(walks: NDArray[np.int64], steps: Array) -> tuple[NDArray[np.int64], int]:
-    """The walks, those of most work first, and the number of threads they are worth dealing to.
+def share_out(sweep_walks: Callable[[NDArray[np.int64]], None], walks: NDArray[np.int64], steps: Array) -> None:
+    """Sweep walks on as many threads as numba may use, or on this one if that is little work.
 
     Parameters
     ----------
-    walks : indices into ``steps``
-    steps : of a single walker, that take as long as each walk
+    sweep_walks : compiled code that sweeps the walks it is given, without the interpreter's lock
+    walks : indices of the walks
+    steps : how many steps of a single walker take as long as each walk of the batch
     """
-    threads = min(numba.get_num_threads(), len(walks)) if steps[walks].sum() > THREADED_STEPS else 1
-    return walks[np.argsort(-steps[walks], kind="stable")], threads
+    longest_first = walks[np.argsort(-steps[walks], kind="stable")]
+    threads = numba.get_num_threads() if steps[walks].sum() > THREADED_STEPS else 1
+    if threads == 1:
+        sweep_walks(longest_first)
+        return
+    with ThreadPoolExecutor(threads) as pool:
+        # list() waits for all and raises what they raised
+        list(pool.map(sweep_walks, [longest_first[first::threads].copy() for first in range(threads)]))
