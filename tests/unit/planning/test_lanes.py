@@ -17,8 +17,10 @@ from walklab.planning.protocol import WalkBatch
 STEP_S = 1 / 60
 NAMES = ("v", "a", "omega", "b")
 
-# Mean over time of the distance between a walker in single and in double precision; at most 5e-6 m in 999 of 1000 random cells.
-BOUND_M = 2e-5
+# Mean over time of the distance between a walker in single and in double precision. Of random cells half are within 2e-7 m, 999
+# in 1000 within 7e-6 m; walkers that miss the end by far and come round again enlarge a rounding to 1e-4 m.
+BOUND_M = 2e-4
+TYPICAL_M = 5e-6
 # The planner itself jumps at some parameters: a walker inside a corner, equally near to two legs, or with its target right
 # behind, goes one way or the other on a rounding. That is one cell in some ten thousand.
 JUMPS = 1
@@ -73,6 +75,7 @@ def test_lanes_equal_double_precision(seed, legs, shortest, start, speeds, omega
     duration_s = len(batch.captured_m) * STEP_S
     apart_m = np.abs(lanes - plain)[0] * batch.lengths_m[0] / duration_s
     assert np.sum(apart_m > BOUND_M) <= JUMPS
+    assert np.median(apart_m) <= TYPICAL_M
     # the best cell is the best, or within the bound of it
     bound_s = BOUND_M * duration_s / batch.lengths_m[0]
     assert plain[0, lanes[0].argmin()] <= plain.min() + 2 * bound_s
