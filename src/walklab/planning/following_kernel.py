@@ -8,7 +8,7 @@ functions it calls.
 from __future__ import annotations
 
 import numpy as np
-from numba import njit, prange
+from numba import njit
 from numpy.typing import NDArray
 
 Array = NDArray[np.float64]
@@ -196,7 +196,7 @@ def score_cell(route: Array, captured: Array, start_speed: float, end_speed: flo
     return total
 
 
-@njit(cache=True, parallel=True)
+@njit(cache=True, nogil=True)
 def sweep(
     routes: Array,
     route_offsets: NDArray[np.int64],
@@ -207,23 +207,21 @@ def sweep(
     order: NDArray[np.int64],
     cells: Array,
     rule: Rule,
-) -> Array:
-    """m_Euclid of every walk and parameter vector, (walks, cells) array, seconds.
+    scores: Array,
+) -> None:
+    """m_Euclid of the walks in ``order`` and all parameter vectors, seconds: fills their rows of ``scores``, (walks, cells).
 
-    ``routes`` holds prepared routes back to back, ``end_speeds`` the speeds at the starts and at the ends. Each walk is scored by
-    one thread alone and in one order, so that the number of threads changes nothing; ``order`` only balances their load.
+    ``routes`` holds prepared routes back to back, ``end_speeds`` the speeds at the starts and at the ends. Several threads may
+    each fill the rows of their own walks.
     """
-    scores = np.empty((lengths.size, cells.shape[0]))
-    step_s = rule[3]
-    for index in prange(order.size):
-        walk = order[index]
+    for walk in order:
         route = routes[route_offsets[walk] : route_offsets[walk + 1]]
         frames = captured[captured_offsets[walk] : captured_offsets[walk + 1]]
         start_speed, end_speed = end_speeds[0][walk], end_speeds[1][walk]
         for cell in range(cells.shape[0]):
             limits = (cells[cell, 0], cells[cell, 1], cells[cell, 2], cells[cell, 3])
-            scores[walk, cell] = score_cell(route, frames, start_speed, end_speed, limits, rule) * step_s / lengths[walk]
-    return scores
+            distances = score_cell(route, frames, start_speed, end_speed, limits, rule)
+            scores[walk, cell] = distances * rule[3] / lengths[walk]
 
 
 @njit(cache=True)

@@ -9,7 +9,8 @@ An agent at rest cannot turn, and its smallest radius is 1 / omega.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
 import numba
@@ -19,12 +20,19 @@ from numpy.typing import NDArray
 from walklab.errors import InputError
 from walklab.geometry.scene import Body, Scene, Task
 from walklab.planning.following_kernel import AT_END, CONSTANT, PROPORTIONAL, Rule, follow_route, sweep
+from walklab.planning.lane_kernel import group_cells, sweep_lanes
 from walklab.planning.protocol import Arrival, Trajectory, WalkBatch
 from walklab.planning.routes import RouteFinder, prepare_route, prepare_routes
 
 Array = NDArray[np.float64]
 
 NAMES = ("v", "a", "omega", "b")
+
+LANE_CELLS = 16  # fewer do not fill a vector
+LANE_ROUTE_M = 100.0  # single precision resolves 8 micrometres there
+LANE_ACCELERATION_M_S2 = 100.0
+TURNS_AT_ONCE = 1e6  # stands for an infinite omega in lanes: half a turn within 3 micrometres
+THREADED_STEPS = 100_000  # of one walker after the other, some 2 ms; threads cost a tenth of that
 TURN_LAWS = {"proportional": PROPORTIONAL, "constant": CONSTANT}
 
 # ASSUME: the look-ahead distance is 0.30 m, because the paper gives none; it is about half a step, so that a corner is cut by a
@@ -140,7 +148,11 @@ class PathFollowing:
         """m_Euclid of every walk and cell: ``sum_t |T_t - A_t| * step_s / length`` (Agethen et al. 2017, eq. 5), seconds.
 
         The sum runs over the captured frames; an agent that has ended stands where it ended. Initial headings are along
-        the first leg. The result does not depend on the number of threads.
+        the first leg.
+
+        ``LANE_CELLS`` cells and more are walked side by side in single precision (:mod:`walklab.planning.lane_kernel`), fewer
+        one by one in double precision, as are the walks for which :meth:`in_lanes` says no. The two differ by rounding alone.
+        Neither the number of threads nor the other walks of the batch change a score.
 
         Parameters
         ----------
@@ -159,20 +171,35 @@ class PathFollowing:
         if not math.isclose(batch.step_s, self.step_s):
             raise InputError(f"walks sampled every {batch.step_s:.6f} s, planner steps {self.step_s:.6f} s; resample the walks")
         values = self.kernel_parameters(cells)
-        if not len(batch):
-            return np.empty((0, len(values)))
+        scores = np.empty((len(batch), len(values)))
+        if not scores.size:
+            return scores
         routes, offsets = prepare_routes(_floats(batch.routes_m), batch.route_offsets.astype(np.int64))
-        return sweep(
-            routes,
-            offsets,
-            _floats(batch.captured_m),
-            batch.captured_offsets.astype(np.int64),
-            (_floats(batch.start_speeds_m_s), _floats(batch.end_speeds_m_s)),
-            _floats(batch.lengths_m),
-            balanced_order(np.diff(batch.captured_offsets)),
-            values,
-            self._rule,
-        )
+        frame_offsets = batch.captured_offsets.astype(np.int64)
+        speeds = _floats(batch.start_speeds_m_s), _floats(batch.end_speeds_m_s)
+        packed = routes, offsets, _floats(batch.captured_m), frame_offsets, speeds, _floats(batch.lengths_m)
+        in_lanes = self.in_lanes(values, speeds, routes[offsets[1:] - 1, 2])
+        steps = np.diff(frame_offsets) * len(values)
+        if in_lanes.any():
+            singles, groups = np.minimum(values, TURNS_AT_ONCE).astype(np.float32), group_cells(values)
+            # A straight walk costs little: cells that differ in omega alone are one.
+            work = steps * np.where(np.diff(offsets) > 2, 0.1, 0.01)
+            share_out(lambda own: sweep_lanes(*packed, own, singles, groups, self._rule, scores), np.flatnonzero(in_lanes), work)
+        if not in_lanes.all():
+            share_out(lambda own: sweep(*packed, own, values, self._rule, scores), np.flatnonzero(~in_lanes), steps)
+        return scores
+
+    def in_lanes(self, values: Array, speeds_m_s: tuple[Array, Array], route_lengths_m: Array) -> NDArray[np.bool_]:
+        """Which walks the single-precision lanes can walk: (walks,) array.
+
+        Not if a step may reach beyond the look-ahead point, or if a route is so long or a braking so hard that single precision
+        is too coarse for it; and none for a few cells, for which double precision is no slower.
+        """
+        v, a, b = values[:, 0].max(), values[:, 1].max(), values[:, 3].max()
+        if len(values) < LANE_CELLS or max(a, b) > LANE_ACCELERATION_M_S2:
+            return np.zeros(len(route_lengths_m), dtype=bool)
+        fastest = np.maximum(v, np.maximum(*speeds_m_s))
+        return (fastest * self.step_s < self.look_ahead_m) & (route_lengths_m <= LANE_ROUTE_M)
 
     @property
     def _rule(self) -> Rule:
@@ -213,8 +240,20 @@ def arrival_of(positions_m: Array, route: Array, at_end: bool, arrival_radius_m:
     return Arrival.ARRIVED if distance <= arrival_radius_m else Arrival.PASSED
 
 
-def balanced_order(frames: NDArray[np.int64]) -> NDArray[np.int64]:
-    """An order of walks in which every thread's contiguous part holds about the same number of frames."""
-    threads = numba.get_num_threads()
-    longest_first = np.argsort(-np.asarray(frames), kind="stable")
-    return np.concatenate([longest_first[first::threads] for first in range(threads)]).astype(np.int64)
+def share_out(sweep_walks: Callable[[NDArray[np.int64]], None], walks: NDArray[np.int64], steps: Array) -> None:
+    """Sweep walks on as many threads as numba may use, or on this one if that is little work.
+
+    Parameters
+    ----------
+    sweep_walks : compiled code that sweeps the walks it is given, without the interpreter's lock
+    walks : indices of the walks
+    steps : how many steps of a single walker take as long as each walk of the batch
+    """
+    longest_first = walks[np.argsort(-steps[walks], kind="stable")]
+    threads = numba.get_num_threads() if steps[walks].sum() > THREADED_STEPS else 1
+    if threads == 1:
+        sweep_walks(longest_first)
+        return
+    with ThreadPoolExecutor(threads) as pool:
+        # list() waits for all and raises what they raised
+        list(pool.map(sweep_walks, [longest_first[first::threads].copy() for first in range(threads)]))

@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from walklab.errors import InputError
 from walklab.geometry.scene import State, Task
+from walklab.planning import path_following
 from walklab.planning.batch import pack_walks
 from walklab.planning.path_following import PathFollowing
 from walklab.planning.protocol import Arrival, Planner, SweepingPlanner, WalkBatch
@@ -216,21 +217,27 @@ def brute_force(planner: PathFollowing, batch: WalkBatch, cells: np.ndarray) -> 
 def test_sweep_equals_following_every_walk(names: tuple[str, ...], options: dict) -> None:
     planner, batch = PathFollowing(names, **options), captured_batch()
     cells = np.random.default_rng(2).uniform(0.1, 2.0, (40, len(names)))
-    swept = planner.sweep_euclid(batch, cells)
-    assert swept.shape == (len(batch), 40)
-    assert np.allclose(swept, brute_force(planner, batch, cells), rtol=0, atol=1e-9)
+    slow = brute_force(planner, batch, cells)
+    one_by_one = np.concatenate([planner.sweep_euclid(batch, few) for few in np.split(cells, 4)], axis=1)
+    assert np.allclose(one_by_one, slow, rtol=0, atol=1e-9)
+    in_lanes = planner.sweep_euclid(batch, cells)
+    assert in_lanes.shape == (len(batch), 40)
+    assert np.allclose(in_lanes, slow, rtol=2e-5, atol=2e-5)
 
 
-def test_sweep_does_not_depend_on_threads_or_shards() -> None:
+@pytest.mark.parametrize("count", [5, 50])  # in double precision and in lanes
+def test_sweep_does_not_depend_on_threads_or_shards(count: int, monkeypatch: pytest.MonkeyPatch) -> None:
     planner, batch = PathFollowing(), captured_batch()
-    cells = np.random.default_rng(3).uniform(0.1, 2.0, (50, 3))
-    threads = numba.get_num_threads()
-    try:
-        numba.set_num_threads(1)
-        alone = planner.sweep_euclid(batch, cells)
-    finally:
+    cells = np.random.default_rng(3).uniform(0.1, 2.0, (count, 3))
+    alone = planner.sweep_euclid(batch, cells)
+    monkeypatch.setattr(path_following, "THREADED_STEPS", 0)
+    for threads in range(1, numba.config.NUMBA_NUM_THREADS + 1):
+        before = numba.get_num_threads()
         numba.set_num_threads(threads)
-    assert np.array_equal(planner.sweep_euclid(batch, cells), alone)
+        try:
+            assert np.array_equal(planner.sweep_euclid(batch, cells), alone)
+        finally:
+            numba.set_num_threads(before)
     routes = np.split(batch.routes_m, batch.route_offsets[1:-1])
     walks = np.split(batch.captured_m, batch.captured_offsets[1:-1])
     args = (batch.start_speeds_m_s, batch.end_speeds_m_s, batch.lengths_m)
