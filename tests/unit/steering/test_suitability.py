@@ -26,15 +26,17 @@ def test_a_walk_made_by_the_planner_scores_zero_with_its_own_parameters(point_ma
     assert score_walks(point_mass, batch, np.array([[1.1, 0.7], [1.2, 0.7]]))[:, 0] == pytest.approx([0.0], abs=1e-12)
 
 
-def test_compiled_and_generic_scores_agree(packer):
+# Few cells are scored in double precision, many in single-precision lanes: each has its own bound.
+@pytest.mark.parametrize(("count", "bound"), [(15, 1e-9), (40, 1e-4)])
+def test_compiled_and_generic_scores_agree(packer, count, bound):
     planner = PathFollowing(("v", "a", "omega"), 1 / 60)
     rng = np.random.default_rng(1)
     routes = [np.array([[0, 0], [1.5, 0], [1.5, 1.2]]), np.array([[0, 0], [0.7, 0.1]]), np.array([[0.0, 0], [2, 2], [1, 3]])]
     batch = packer(planner, [np.array(r, dtype=float) for r in routes], rng.uniform(0.5, 1.5, (3, 3)))
     noisy = dataclasses.replace(batch, captured_m=batch.captured_m + rng.normal(0, 0.02, batch.captured_m.shape))
-    cells = rng.uniform(0.1, 2.0, (40, 3))
+    cells = rng.uniform(0.1, 2.0, (count, 3))
     generic = dataclasses.replace(METRICS["euclid"], name="not compiled")
-    assert np.abs(score_walks(planner, noisy, cells) - score_walks(planner, noisy, cells, generic)).max() < 1e-9
+    assert np.abs(score_walks(planner, noisy, cells) - score_walks(planner, noisy, cells, generic)).max() < bound
 
 
 def test_looking_beyond_the_captured_walk_scores_a_late_arrival_higher(world):
