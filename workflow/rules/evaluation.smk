@@ -34,6 +34,24 @@ rule simulate_trials:
         "../scripts/simulate_trials.py"
 
 
+rule floor_grid:
+    input:
+        walks=MODEL_INPUTS["walks"],
+        samples=MODEL_INPUTS["samples"],
+        routes=MODEL_INPUTS["routes"],
+    output:
+        floor=stage("floor_grid", "floor.csv", "scenario"),
+    log:
+        stage("floor_grid", "log.txt", "scenario"),
+    benchmark:
+        stage("floor_grid", "benchmark.tsv", "scenario")
+    params:
+        **section("planner", "space", "standing", "metric"),
+        code=code("floor_grid.py"),
+    script:
+        "../scripts/floor_grid.py"
+
+
 rule compare_models:
     input:
         trials=rules.simulate_trials.output.trials,

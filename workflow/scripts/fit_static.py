@@ -5,8 +5,10 @@ from map_inputs import all_maps
 from planner_inputs import planner_of
 from walk_inputs import all_routes, all_walks
 from walklab.evaluation.optimum import optimum_table
+from walklab.geometry.standing import Standing
 from walklab.randomness import generator
 from walklab.steering.io import write_static_fit
+from walklab.steering.metrics import metric_named
 from walklab.steering.routes import pack
 from walklab.steering.static_fit import fit_static
 from walklab.storage import write_table
@@ -24,7 +26,7 @@ if __name__ == "__main__":
             space,
             generator(*names),
             scores=maps.scores,
-            metric=params.metric,
+            metric=metric_named(params.metric, Standing(**params.standing)),
             starts=params.fit_static["starts"],
             maxfun=params.fit_static["evaluations"],
             time_limit_s=params.planner["time_limit_s"],

@@ -6,7 +6,6 @@ from walklab.capture.walks import read_walks
 from walklab.evaluation.floor import grid_floor
 from walklab.evaluation.statistics import describe
 from walklab.geometry.plans import load_plan
-from walklab.geometry.scene import Scene
 from walklab.geometry.standing import Standing
 from walklab.planning.io import read_routes
 from walklab.storage import write_table
@@ -17,9 +16,9 @@ if __name__ == "__main__":
         planner, space = planner_of(params.planner, params.space)
         walks = read_walks(files.walks, files.samples)
         standing, limit_s = Standing(**params.standing), params.planner["time_limit_s"]
-        # Without plans there are no obstacles to look for, and no walk counts as collided.
-        plans = files.get("plans")
-        scenes = {"open": Scene("open"), **{plan.scene.name: plan.scene for plan in map(load_plan, plans)}} if plans else None
+        # Without the plan there are no obstacles to look for, and no walk counts as collided.
+        scene = load_plan(files.plan).scene if files.get("plan") else None
+        scenes = None if scene is None else {scene.name: scene}
         routes = read_routes(files.routes)
         trials = grid_floor(planner, walks, routes, space, standing, limit_s, params.metric, scenes=scenes)
         write_table(describe(trials), snakemake.output.floor)

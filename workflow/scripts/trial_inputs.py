@@ -1,6 +1,6 @@
 """What the scripts of the evaluation make of the files and parameters they share."""
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import pandas as pd

@@ -18,6 +18,7 @@ from walklab.capture.training import concatenate, recording_keys
 from walklab.capture.walker import Person, person_from_row, smooth_step
 from walklab.errors import InputError
 from walklab.geometry.plans import Plan, Station
+from walklab.geometry.standing import Standing
 from walklab.randomness import generator
 
 Array = NDArray[np.float64]
@@ -79,6 +80,7 @@ def record_scenario(
     seed: int,
     replicate: int,
     all_participants: Sequence[str] | None = None,
+    standing: Standing | None = None,
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Record some or all participants of one scenario of experiment 2, one recording per set.
 
@@ -86,6 +88,7 @@ def record_scenario(
     ----------
     participants : rows of the participants table; any subset gives the same rows for each of them
     all_participants : names of the whole group, in the order of ``design.sets``; default the given ones
+    standing : speeds that bound the true walks; default ``Standing()``
 
     Returns
     -------
@@ -124,7 +127,7 @@ def record_scenario(
                 "configuration": "",
                 "scene": plan.scene.name,
             }
-            track = lay_track(script.legs, script.frames, design.rate_hz, person, constants)
+            track = lay_track(script.legs, script.frames, design.rate_hz, person, constants, standing)
             pieces.append(labels | _seen(person, script, track, design, constants, rng))
             truths += [
                 {"recording": labels["recording"], "participant": name, "configuration": leg.configuration, "toward": True}

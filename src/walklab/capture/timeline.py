@@ -78,11 +78,18 @@ class Track:
     spans_s: list[tuple[float, float]]
 
 
-def lay_track(legs: Sequence[Leg], frames: int, rate_hz: float, person: Person, constants: WalkerConstants) -> Track:
+def lay_track(
+    legs: Sequence[Leg],
+    frames: int,
+    rate_hz: float,
+    person: Person,
+    constants: WalkerConstants,
+    standing: Standing | None = None,
+) -> Track:
     """Sample all legs on the frames of a recording; between legs the person rests where the last one ended.
 
     The true boundaries are the last resting frame before and the first after a leg: those at which the speed of
-    the walking component passes the threshold of standing.
+    the walking component passes the threshold of ``standing`` (by default that of ``Standing()``).
     """
     position = np.empty((frames, 2))
     first = legs[0].parts[0][1].path[0]
@@ -95,7 +102,7 @@ def lay_track(legs: Sequence[Leg], frames: int, rate_hz: float, person: Person, 
             position[start : start + count] = motion.position_m
             position[start + count :] = motion.position_m[-1]
             motions.append((start, motion))
-    threshold = Standing().standing_speed_m_s
+    threshold = (standing or Standing()).standing_speed_m_s
     spans = []
     for leg in legs:
         low, high = max(leg.start_frame - 2, 0), min(leg.end_frame + 3, frames)

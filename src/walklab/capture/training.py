@@ -16,6 +16,7 @@ from walklab.capture.timeline import NO_FLAW, Leg, choose_flawed, lay_track, los
 from walklab.capture.walker import Person, person_from_row
 from walklab.errors import InputError
 from walklab.geometry.plans import OPEN, Plan
+from walklab.geometry.standing import Standing
 from walklab.randomness import generator
 
 Array = NDArray[np.float64]
@@ -94,6 +95,7 @@ def record_training(
     seed: int,
     replicate: int,
     all_participants: Sequence[str] | None = None,
+    standing: Standing | None = None,
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Record some or all participants of experiment 1.
 
@@ -101,6 +103,7 @@ def record_training(
     ----------
     participants : rows of the participants table; any subset gives the same rows for each of them
     all_participants : names of the whole group, by which the flawed walks are chosen; default the given ones
+    standing : speeds that bound the true walks; default ``Standing()``
 
     Returns
     -------
@@ -117,7 +120,7 @@ def record_training(
             configuration = everything[index]
             rng = generator(seed, replicate, DATASET, name, configuration.name)
             own = [flaws.get((name, configuration.name, i), NO_FLAW) for i in range(configuration.repetitions)]
-            recorded, truth = _record(person, name, configuration, own, design, constants, rng)
+            recorded, truth = _record(person, name, configuration, own, design, constants, rng, standing)
             frames.append(recorded)
             truths.append(truth)
     return concatenate(frames), pd.DataFrame([entry for truth in truths for entry in truth])
@@ -147,9 +150,10 @@ def _record(
     design: TrainingDesign,
     constants: WalkerConstants,
     rng: np.random.Generator,
+    standing: Standing | None,
 ) -> tuple[dict, list[dict]]:
     legs, frames = _schedule(person, configuration, flaws, design, constants, rng)
-    track = lay_track(legs, frames, design.rate_hz, person, constants)
+    track = lay_track(legs, frames, design.rate_hz, person, constants, standing)
     step_s = 1 / design.rate_hz
     seen = track.position_m + standing_sway(frames, step_s, constants, rng)
     seen += constants.optical_noise_m * rng.standard_normal(seen.shape)

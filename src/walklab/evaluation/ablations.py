@@ -11,7 +11,15 @@ import pandas as pd
 from numpy.typing import ArrayLike
 
 from walklab.errors import InputError
-from walklab.evaluation.bootstrap import RESAMPLES, Array, cluster_codes, cluster_counts, interval, resampled_quantiles
+from walklab.evaluation.bootstrap import (
+    DECIMALS,
+    RESAMPLES,
+    Array,
+    cluster_codes,
+    cluster_counts,
+    interval,
+    resampled_quantiles,
+)
 from walklab.evaluation.pairs import paired
 from walklab.evaluation.signed_rank import compare_pairs
 from walklab.randomness import generator
@@ -188,7 +196,7 @@ def _ablation_row(
         "high": high,
         "p25": float(np.quantile(own, 0.25)),
         "p75": float(np.quantile(own, 0.75)),
-        "increase_s": float(np.median(own) - np.median(full)),
+        "increase_s": round(float(np.median(own) - np.median(full)), DECIMALS) + 0.0,
         "increase_low": increase_low,
         "increase_high": increase_high,
         "p": 1.0 if variant == FULL else float(compare_pairs(trials, rng, [(variant, FULL)], resamples=2)["p"].iloc[0]),

@@ -13,6 +13,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 RESAMPLES = 2000
+DECIMALS = 9  # of intervals and differences in tables: what is smaller is the noise of floating-point numbers
 _CHUNK = 250  # resamples worked on at once: bounds the memory at about 8 bytes x 250 x walks an array
 
 
@@ -73,11 +74,12 @@ def interval(resampled: Array, clusters: int, level: float = 0.95) -> tuple[Any,
 
     Returns
     -------
-    (low, high); NaN where there are fewer than two clusters
+    (low, high), rounded to 1e-9; NaN where there are fewer than two clusters
     """
     if clusters < 2:
         nothing = np.full(resampled.shape[1:], np.nan)[()]
         return nothing, nothing
     tail = stats.norm.cdf(-np.sqrt(clusters / (clusters - 1)) * stats.t.ppf((1 + level) / 2, clusters - 1))
-    low, high = np.quantile(resampled, [tail, 1 - tail], axis=0)
+    # Adding zero turns a rounded -0.0 into 0.0.
+    low, high = np.round(np.quantile(resampled, [tail, 1 - tail], axis=0), DECIMALS) + 0.0
     return low, high

@@ -3,7 +3,8 @@
 The suitability maps (raw scores) of all walks are computed once; they do not depend on who is left out. Per
 participant only the models are trained again, on the others' scores. Beside the three motion models stand P_Prob
 without dependencies, climatology, a linear regression on the same dependencies and, where all walks start and end
-while walking, the task's two speeds alone.
+while walking, the task's two speeds alone. One row is no forecast: the best cell of the walk's own captured map, which
+knows the answer and is the error that the grid of parameters leaves to everybody.
 """
 
 from __future__ import annotations
@@ -18,14 +19,15 @@ from numpy.typing import ArrayLike, NDArray
 from walklab.capture.walks import Walk
 from walklab.errors import InputError
 from walklab.evaluation.baselines import climatology, regression, task_speeds
-from walklab.evaluation.bootstrap import RESAMPLES
-from walklab.evaluation.subject_scores import forecast_scores, subject_scores, summarise
+from walklab.evaluation.bootstrap import DECIMALS, RESAMPLES
+from walklab.evaluation.subject_scores import OWN_MAP, forecast_scores, subject_scores, summarise
 from walklab.geometry import curves
 from walklab.geometry.scene import Task
 from walklab.geometry.standing import Standing
 from walklab.planning.durations import trajectory_travel_time_s
 from walklab.planning.protocol import Arrival, Planner
 from walklab.randomness import generator
+from walklab.steering.metrics import metric_named
 from walklab.steering.models import AdaptiveModel, ProbabilisticModel, StaticModel
 from walklab.steering.routes import pack, task_of
 from walklab.steering.space import ParameterSpace
@@ -122,7 +124,8 @@ def leave_one_subject_out(
 ) -> CrossValidation:
     """Forecast every participant's walks from the other participants' and score the forecasts.
 
-    Nothing of a forecast walk is used but its task (end points, start and end speed) and the person's height.
+    Nothing of a forecast walk is used but its task (end points, start and end speed) and the person's height; the rows
+    of the model :data:`~walklab.evaluation.subject_scores.OWN_MAP`, an error floor, read the walk's own map.
 
     Returns
     -------
@@ -203,6 +206,9 @@ def _forecasts(
     speeds = [np.array([float(walk.row[f"{end}_speed_m_s"]) for walk in study.walks]) for end in ("start", "end")]
     if (alone := task_speeds(lengths, *speeds)) is not None:
         yield TASK_SPEEDS, 0, alone[asked], np.nan
+    # The error floor of the grid: it reads the captured walk itself and forecasts nothing.
+    best = study.space.cells[np.argmin(study.scores[asked], axis=1)]
+    yield OWN_MAP, 0, *_simulate(study, asked, best[:, None], options)
 
 
 def _train(
@@ -229,7 +235,7 @@ def _static_model(
         study.space,
         rng,
         scores=study.scores[known],
-        metric=options.metric,
+        metric=metric_named(options.metric, study.standing),
         starts=options.static_starts,
         maxfun=options.static_maxfun,
         time_limit_s=options.time_limit_s,
@@ -280,5 +286,6 @@ def _frame(study: Study, asked: NDArray[np.int64], model: str, members: Array, s
     ]
     single = members[np.arange(len(names)), picks]
     frame = pd.DataFrame({"walk": names, "participant": study.participants[asked], "model": model, "captured_s": captured})
-    frame = frame.assign(single_s=single, dt_s=single - captured, abs_dt_s=np.abs(single - captured), members=members.shape[1])
+    less = np.round(single - captured, DECIMALS) + 0.0
+    frame = frame.assign(single_s=single, dt_s=less, abs_dt_s=np.abs(less), members=members.shape[1])
     return pd.concat([frame, forecast_scores(captured, members)], axis=1)

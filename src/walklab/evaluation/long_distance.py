@@ -7,6 +7,7 @@ from typing import Literal
 
 import numpy as np
 import pandas as pd
+from scipy.interpolate import RegularGridInterpolator
 from scipy.optimize import dual_annealing
 
 from walklab.errors import InputError
@@ -28,6 +29,9 @@ DRAWS = ["split", "walk", "participant", "height_m", "distance_m", "source", "tr
 # ASSUME: Section 8.3 does not give its k; it is 20 without up-sampling, since the 60 training walks are 20 of each
 # distance, so that a walk's neighbours are walks of its own distance.
 SETTINGS = TrainingSettings(count=None, k=LARGEST_K)
+
+_FINE = 151**2  # vectors, at most, of the grid on which P_Stat is fitted to a resample
+_CHUNK = 100  # resamples fitted at once, which bounds the memory
 
 
 def straight_travel_time_s(distance_m: float, v: float, a: float) -> float:
@@ -64,6 +68,11 @@ def study_long_distances(
     The map of a walk is ``|T_simulated(v, a) - T_captured|`` over the space; the dependencies are
     distance and height. P_Prob draws once per test walk, P_Stat is the optimum of the mean |dt|
     over the training walks.
+
+    95 % intervals: for Ref and P_Prob the test participants are resampled, the training walks stay. P_Stat is one
+    parameter vector, so all its walks of one distance take one time, whoever makes them; there the training
+    participants are resampled and P_Stat is fitted to each resample, on a fine grid with interpolated travel times. Its
+    iqr is 0 by construction and has no interval (NaN): a verdict on it rests on the value.
 
     Parameters
     ----------
@@ -104,7 +113,9 @@ def study_long_distances(
         "P_Stat": np.tile(best, (len(test), 1)),
     }
     draws = _draws(test, parameters, planner, space.names, split, standing, time_limit_s)
-    table = _table(draws, generator(seed, replicate, "long_distance", split, "bootstrap"), resamples)
+    rng = generator(seed, replicate, "long_distance", split, "P_Stat", "bootstrap")
+    refitted = static_intervals_s(training, times, space, time_limit_s, rng, resamples)
+    table = _table(draws, refitted, generator(seed, replicate, "long_distance", split, "bootstrap"), resamples)
     edges = space.on_edge(best)
     optimum = pd.DataFrame({"split": split, "parameter": list(space.names), "unit": [axis.unit for axis in space.axes]})
     return table, draws, optimum.assign(value=best, on_edge=edges)
@@ -156,6 +167,60 @@ def _static_optimum(
     return np.asarray(dual_annealing(mean_error_s, space.bounds, maxfun=maxfun, rng=rng).x)
 
 
+def static_intervals_s(
+    training: pd.DataFrame,
+    times: Mapping[float, Array],
+    space: ParameterSpace,
+    time_limit_s: float,
+    rng: np.random.Generator,
+    resamples: int = RESAMPLES,
+) -> dict[float, tuple[float, float]]:
+    """Intervals of P_Stat's travel times: fitted to resamples of the training participants on a fine grid, by mean |dt|.
+
+    Parameters
+    ----------
+    times : distance -> (C,) simulated travel times of the cells of the space
+
+    Returns
+    -------
+    distance -> (low, high), seconds; NaN where there are fewer than two training participants
+    """
+    distances = training["distance_m"].to_numpy(dtype=float)
+    captured_s = training["travel_time_s"].to_numpy(dtype=float)
+    codes, clusters = cluster_codes(training["participant"])
+    fine = {distance: np.minimum(fine_times_s(distance, found, space), time_limit_s) for distance, found in times.items()}
+    errors = np.zeros((clusters, len(next(iter(fine.values())))))
+    for code, distance, captured in zip(codes, distances, captured_s, strict=True):
+        errors[code] += np.abs(fine[float(distance)] - captured)
+    counts = cluster_counts(clusters, resamples, rng).astype(float)
+    # A resample's mean has the same denominator for all vectors, so its sum has the same optimum.
+    best = np.concatenate([np.argmin(counts[i : i + _CHUNK] @ errors, axis=1) for i in range(0, resamples, _CHUNK)])
+    return {distance: interval(found[best], clusters) for distance, found in fine.items()}
+
+
+def fine_times_s(distance_m: float, times_s: Array, space: ParameterSpace) -> Array:
+    """Travel times on a finer grid from those of the cells, interpolated linearly in what they are off the closed form."""
+    axes = fine_axes(space)
+    fine = np.column_stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")])
+    off = (times_s - _closed_form_s(distance_m, space.cells, space.names)).reshape(space.shape)
+    interpolate = RegularGridInterpolator([axis.values for axis in space.axes], off)
+    return np.asarray(interpolate(fine)) + _closed_form_s(distance_m, fine, space.names)
+
+
+def fine_axes(space: ParameterSpace) -> list[Array]:
+    """Equally many values on each axis of the finer grid: 151 where there are two."""
+    count = max(int(round(_FINE ** (1 / len(space.axes)), 6)), 2)
+    return [np.linspace(low, high, count) for low, high in space.bounds]
+
+
+def _closed_form_s(distance_m: float, cells: Array, names: Sequence[str]) -> Array:
+    """:func:`straight_travel_time_s` of many cells; 0 where the parameters are others than v and a."""
+    if not {"v", "a"} <= set(names):
+        return np.zeros(len(cells))
+    v, a = (cells[:, names.index(name)] for name in ("v", "a"))
+    return np.where(distance_m >= v**2 / a, distance_m / v + v / a, 2 * np.sqrt(distance_m / a))
+
+
 def _draws(
     test: pd.DataFrame,
     parameters: Mapping[str, Array],
@@ -177,7 +242,9 @@ def _draws(
     return pd.concat(frames, ignore_index=True)[[*DRAWS, *names]]
 
 
-def _table(draws: pd.DataFrame, rng: np.random.Generator, resamples: int) -> pd.DataFrame:
+def _table(
+    draws: pd.DataFrame, refitted: Mapping[float, tuple[float, float]], rng: np.random.Generator, resamples: int
+) -> pd.DataFrame:
     rows = []
     for (distance, source), group in draws.groupby(["distance_m", "source"], sort=False):
         values = group["travel_time_s"].to_numpy(dtype=float)
@@ -189,5 +256,7 @@ def _table(draws: pd.DataFrame, rng: np.random.Generator, resamples: int) -> pd.
             ("iqr", exact[2] - exact[0], resampled[:, 2] - resampled[:, 0]),
         ):
             low, high = interval(of_draws, clusters)
+            if source == "P_Stat":
+                low, high = refitted[group["distance_m"].iloc[0]] if name == "median" else (np.nan, np.nan)
             rows.append([group["split"].iloc[0], distance, source, name, len(values), value, low, high])
     return pd.DataFrame(rows, columns=["split", "distance_m", "source", "statistic", "walks", "value", "low", "high"])

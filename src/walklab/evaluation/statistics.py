@@ -10,7 +10,15 @@ import pandas as pd
 import pingouin
 from scipy import stats
 
-from walklab.evaluation.bootstrap import RESAMPLES, Array, cluster_codes, cluster_counts, interval, resampled_quantiles
+from walklab.evaluation.bootstrap import (
+    DECIMALS,
+    RESAMPLES,
+    Array,
+    cluster_codes,
+    cluster_counts,
+    interval,
+    resampled_quantiles,
+)
 from walklab.evaluation.mixed import mixed_model
 from walklab.evaluation.pairs import PAIRS, paired
 from walklab.evaluation.signed_rank import compare_pairs, wilcoxon_power_are
@@ -37,7 +45,8 @@ def describe(trials: pd.DataFrame, column: str = "abs_dt_s") -> pd.DataFrame:
 
     Returns
     -------
-    DataFrame, a row per model: model, n, not_arrived, outside_hull, mean, sd, p05, p25, median, p75, p95, iqr,
+    DataFrame, a row per model: model, n, the numbers of trials not_arrived, outside_hull, on_edge (of the parameter space)
+    and collided (through a true obstacle; 0 where the trials lack the column), mean, sd, p05, p25, median, p75, p95, iqr,
     skew, shapiro_w, shapiro_p (Shapiro-Wilk; NaN for fewer than 4 or equal values), and median_signed_dt_s
     """
     return pd.DataFrame([_describe_one(str(name), group, column) for name, group in trials.groupby("model", sort=False)])
@@ -52,6 +61,7 @@ def _describe_one(model: str, group: pd.DataFrame, column: str) -> dict[str, Any
         "n": len(values),
         "not_arrived": int((group["arrival"] != "arrived").sum()),
         "outside_hull": int((~group["inside_hull"].astype(bool)).sum()),
+        **{count: int(group[count].astype(bool).sum()) if count in group else 0 for count in ("on_edge", "collided")},
         "mean": values.mean(),
         "sd": values.std(ddof=1) if len(values) > 1 else np.nan,
         **quantiles,
@@ -124,7 +134,8 @@ def reductions(
 
 
 def _reduction(first: Array, second: Array) -> Array:
-    return 1 - np.divide(second, first, out=np.full_like(second, np.nan), where=first > 0)
+    ratio = np.divide(second, first, out=np.full_like(second, np.nan), where=first > 0)
+    return np.round(1 - ratio, DECIMALS) + 0.0
 
 
 def by_dataset(tables: Mapping[str, pd.DataFrame]) -> pd.DataFrame:

@@ -8,9 +8,12 @@ import scoringrules as sr
 from numpy.typing import ArrayLike, NDArray
 
 from walklab.errors import InputError
-from walklab.evaluation.bootstrap import RESAMPLES, cluster_counts, interval
+from walklab.evaluation.bootstrap import DECIMALS, RESAMPLES, cluster_counts, interval
 
 Array = NDArray[np.float64]
+
+# An error floor, not a forecast: the walk is simulated with the best cell of its own captured map.
+OWN_MAP = "best cell of the walk's own map"
 
 CENTRAL_INTERVAL = (0.05, 0.95)  # the 90 % interval
 
@@ -89,7 +92,8 @@ def summarise(scores: pd.DataFrame, reference: str, rng: np.random.Generator, re
     """Mean over participants of every measure, with a 95 % interval from resampling participants.
 
     The last measure is the CRPS minus that of the reference model for the same participant: participants differ
-    more than models do, so the paired difference is what decides.
+    more than models do, so the paired difference is what decides. The error floor :data:`OWN_MAP` knows the walks that
+    the models forecast, so it is compared with none of them.
 
     Parameters
     ----------
@@ -100,26 +104,30 @@ def summarise(scores: pd.DataFrame, reference: str, rng: np.random.Generator, re
     -------
     DataFrame, a row per model: model, participants, walks, k (smallest over participants), then per measure its
     mean, ``<measure>_low`` and ``<measure>_high``; also ``crps_minus_reference_s``, arrived_share, inside_share,
-    ``reference`` and ``better_than_reference`` (participants)
+    ``kind`` (``forecast``, or ``error floor`` for :data:`OWN_MAP`), ``reference`` and ``better_than_reference``
+    (participants); both comparisons are missing for the error floor
 
     Raises
     ------
     InputError
-        If the reference is no model of the table.
+        If the reference is no model of the table, or the error floor.
     """
-    if reference not in set(scores["model"]):
-        raise InputError(f"summary: no model {reference!r} to compare with; choose from {', '.join(scores['model'].unique())}")
+    models = [str(name) for name in scores["model"].unique() if name != OWN_MAP]
+    if reference not in models:
+        raise InputError(f"summary: no model {reference!r} to compare with; choose from {', '.join(models)}")
     participants = sorted(scores["participant"].unique())
     by_model = {name: group.set_index("participant").loc[participants] for name, group in scores.groupby("model", sort=False)}
     # The same resamples for all models, so that their intervals can be compared.
     counts = cluster_counts(len(participants), resamples, rng)
     rows = []
     for name, group in by_model.items():
-        less = group["crps_s"] - by_model[reference]["crps_s"]
+        floor = name == OWN_MAP
+        less = (group["crps_s"] - by_model[reference]["crps_s"]).round(DECIMALS) * (np.nan if floor else 1.0)
         row = {"model": name, "participants": len(group), "walks": int(group["walks"].sum()), "k": group["k"].min()}
         for measure, values in [(m, group[m]) for m in MEASURES] + [("crps_minus_reference_s", less)]:
             low, high = interval(counts @ values.to_numpy(dtype=float) / len(group), len(group))
             row |= {measure: float(values.mean()), f"{measure}_low": float(low), f"{measure}_high": float(high)}
         row |= {"arrived_share": float(group["arrived_share"].mean()), "inside_share": float(group["inside_share"].mean())}
-        rows.append(row | {"reference": reference, "better_than_reference": int((less < 0).sum())})
-    return pd.DataFrame(rows)
+        row |= {"kind": "error floor" if floor else "forecast", "reference": reference}
+        rows.append(row | {"better_than_reference": pd.NA if floor else int((less < 0).sum())})
+    return pd.DataFrame(rows).astype({"better_than_reference": "Int64"})

@@ -6,11 +6,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 import pandas as pd
+import shapely
 from numpy.typing import ArrayLike, NDArray
 
 from walklab.capture.walks import Walk
 from walklab.errors import InputError
-from walklab.geometry.scene import Task
+from walklab.geometry.scene import Scene, Task
 from walklab.geometry.standing import Standing
 from walklab.planning.batch import resample_time
 from walklab.planning.durations import trajectory_travel_time_s
@@ -19,6 +20,8 @@ from walklab.randomness import generator
 from walklab.steering.metrics import Metric, metric_named
 from walklab.steering.models import MotionModel
 from walklab.steering.routes import task_of
+from walklab.steering.space import ParameterSpace
+from walklab.steering.suitability import standing_at_end
 
 Array = NDArray[np.float64]
 Flags = NDArray[np.bool_]
@@ -37,6 +40,8 @@ def simulate_trials(
     replicate: int,
     inside: Flags | None = None,
     stream: str | None = None,
+    space: ParameterSpace | None = None,
+    scenes: Mapping[str, Scene] | None = None,
 ) -> pd.DataFrame:
     """Simulate every walk with every model and compare the travel times.
 
@@ -52,20 +57,24 @@ def simulate_trials(
     inside : (W,) whether each vector lies in the domain of validity; by default asked of the first model that knows
     stream : the name that parameters are drawn under instead of each model's own, so that variants of
         one model see common random numbers
+    space : of the steering parameters, to tell which vectors lie on its border
+    scenes : scene name -> scene, to tell which simulated walks go through an obstacle
 
     Returns
     -------
     DataFrame, a row per model and walk: walk, participant, configuration, model, one column per
     parameter, captured_s, simulated_s, dt_s, abs_dt_s, arrival (``arrived``, ``passed``, ``timeout``),
-    metric_<unit> (metric_s for m_Euclid), inside_hull.
+    metric_<unit> (metric_s for m_Euclid), inside_hull, on_edge (a parameter lies on the border of the space; False
+    without a space), collided (the centre of the body crosses an obstacle that is not grown by the body; False without
+    scenes).
     A walk that reaches its time limit keeps its row, and ``simulated_s`` is the time limit;
     one that passed its end has the time of its movement.
 
     Raises
     ------
     InputError
-        If a walk has no route, the number of vectors differs from the number of walks, or a model's parameters
-        are not the planner's.
+        If a walk has no route or an unknown scene, the number of vectors differs from the number of walks, or the
+        parameters of a model or of the space are not the planner's.
     """
     asked = np.asarray(vectors, dtype=float)
     if len(asked) != len(walks):
@@ -79,7 +88,11 @@ def simulate_trials(
         inside = _inside_hull(models, asked)
     tasks = [task_of(walk.row) for walk in walks]
     captured = [resample_time(walk.time_s, walk.position_m, planner.step_s) for walk in walks]
-    chosen = metric_named(metric) if isinstance(metric, str) else metric
+    chosen = metric_named(metric, standing) if isinstance(metric, str) else metric
+    if space is not None and space.names != tuple(planner.parameters):
+        raise InputError(f"trials: axes {', '.join(space.names)} are not the planner's {', '.join(planner.parameters)}")
+    obstacles = None if scenes is None else _obstacles(walks, scenes)
+    nowhere = np.zeros(len(walks), dtype=bool)
     frames = []
     for model_name, model in models.items():
         if model.names != tuple(planner.parameters):
@@ -88,13 +101,17 @@ def simulate_trials(
             )
         generators = [generator(seed, replicate, "trial", stream or model_name, name) for name in names]
         parameters = np.asarray(model.parameters(asked, generators), dtype=float)
-        outcomes = []
+        outcomes, paths = [], []
         for name, walk, task, positions_m, values in zip(names, walks, tasks, captured, parameters, strict=True):
             trajectory = planner.follow(routes[name], task, values, time_limit_s)
             duration_s = _simulated_s(trajectory, task, standing, time_limit_s)
             error = _trajectory_error(chosen, positions_m, trajectory.positions_m, planner.step_s, float(walk.row["length_m"]))
             outcomes.append((duration_s, trajectory.arrival.name.lower(), error))
-        frames.append(_frame(model_name, walks, planner.parameters, parameters, outcomes, inside, f"metric_{chosen.unit}"))
+            paths.append(trajectory.positions_m)
+        frame = _frame(model_name, walks, planner.parameters, parameters, outcomes, inside, f"metric_{chosen.unit}")
+        frame["on_edge"] = nowhere if space is None else np.asarray(space.on_edge(parameters).any(axis=1))
+        frame["collided"] = nowhere if obstacles is None else _collided(paths, *obstacles)
+        frames.append(frame)
     return pd.concat(frames, ignore_index=True)
 
 
@@ -106,14 +123,30 @@ def _simulated_s(trajectory: Trajectory, task: Task, standing: Standing, time_li
 
 def _trajectory_error(metric: Metric, captured: Array, simulated: Array, step_s: float, length_m: float) -> float:
     frames = len(captured) if metric.horizon == "captured" else max(len(captured), len(simulated))
-    error = metric(_standing_at_end(captured, frames), _standing_at_end(simulated, frames)[None], step_s, length_m)
+    error = metric(standing_at_end(captured, frames), standing_at_end(simulated, frames)[None], step_s, length_m)
     return float(np.asarray(error).ravel()[0])
 
 
-def _standing_at_end(points_m: Array, frames: int) -> Array:
-    if len(points_m) >= frames:
-        return points_m[:frames]
-    return np.concatenate([points_m, np.repeat(points_m[-1:], frames - len(points_m), axis=0)])
+def _obstacles(walks: Sequence[Walk], scenes: Mapping[str, Scene]) -> tuple[dict[str, shapely.Geometry], NDArray[np.str_]]:
+    """The obstacles of each scene as one prepared geometry, and the scene of each walk."""
+    names = np.array([str(walk.row["scene"]) for walk in walks], dtype=str)
+    for walk, name in zip(walks, names, strict=True):
+        if name not in scenes:
+            raise InputError(f"walk {walk.row['walk']}: column scene: '{name}' is not among the plan views {sorted(scenes)}")
+    obstacles = {str(name): shapely.union_all(list(scenes[str(name)].obstacles.values())) for name in np.unique(names)}
+    shapely.prepare(list(obstacles.values()))
+    return obstacles, names
+
+
+def _collided(paths: Sequence[Array], obstacles: Mapping[str, shapely.Geometry], names: NDArray[np.str_]) -> Flags:
+    """Whether each path has a part of its length inside the obstacles of its scene; touching an outline is none."""
+    # A path of one point has no length and crosses nothing.
+    lines = np.array([shapely.linestrings(path) if len(path) > 1 else shapely.LineString() for path in paths])
+    collided = np.zeros(len(paths), dtype=bool)
+    for name, geometry in obstacles.items():
+        chosen = names == name
+        collided[chosen] = shapely.crosses(geometry, lines[chosen]) | shapely.contains(geometry, lines[chosen])
+    return collided
 
 
 def _inside_hull(models: Mapping[str, MotionModel], vectors: Array) -> Flags:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Literal, Protocol
 
 import numpy as np
@@ -66,9 +67,9 @@ def end_point(captured: Array, simulated: Array, step_s: float, length_m: float)
     return _separations(captured[-1:], simulated[:, -1:])[:, 0]
 
 
-def travel_time(captured: Array, simulated: Array, step_s: float, length_m: float) -> Array:
-    """Absolute difference of the travel times, standing by the shared thresholds (s)."""
-    threshold = Standing().standing_speed_m_s
+def travel_time(captured: Array, simulated: Array, step_s: float, length_m: float, standing: Standing | None = None) -> Array:
+    """Absolute difference of the travel times (s); a person stands below the speed of ``standing`` or its default."""
+    threshold = (standing or Standing()).standing_speed_m_s
     own = travel_time_s(captured, step_s, threshold)
     return np.array([abs(travel_time_s(walk, step_s, threshold) - own) for walk in simulated])
 
@@ -111,8 +112,12 @@ METRICS: dict[str, Metric] = {
 }
 
 
-def metric_named(name: str) -> Metric:
+def metric_named(name: str, standing: Standing | None = None) -> Metric:
     """The metric of that name.
+
+    Parameters
+    ----------
+    standing : speeds by which the metric tells standing from walking, if it does; by default those of ``Standing()``
 
     Raises
     ------
@@ -121,4 +126,7 @@ def metric_named(name: str) -> Metric:
     """
     if name not in METRICS:
         raise InputError(f"metric: there is no {name!r}; choose one of {', '.join(sorted(METRICS))}")
-    return METRICS[name]
+    metric = METRICS[name]
+    if standing is not None and metric.distance is travel_time:
+        return replace(metric, distance=partial(travel_time, standing=standing))
+    return metric

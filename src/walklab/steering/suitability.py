@@ -27,7 +27,8 @@ def score_walks(
     planner : compiled code is used where it can sweep and the metric is m_Euclid
     batch : W walks, captured positions every ``planner.step_s``
     cells : (C, P) array in the order of ``planner.parameters``
-    metric : name of a registered metric, or one of your own
+    metric : name of a registered metric, or one of your own; ``metric_named`` gives one that measures by the study's
+        own standing speed
     time_limit_s : longest simulated walk, for metrics that look beyond the captured one
 
     Returns
@@ -76,11 +77,12 @@ def _score_walk(planner: Planner, batch: WalkBatch, index: int, cells: Array, me
     limit = len(captured) * planner.step_s if metric.horizon == "captured" else time_limit_s
     walks = [planner.follow(route, task, cell, limit).positions_m for cell in cells]
     frames = len(captured) if metric.horizon == "captured" else max(len(captured), *(len(walk) for walk in walks))
-    simulated = np.stack([_stand_at_end(walk, frames) for walk in walks])
-    return metric(_stand_at_end(captured, frames), simulated, planner.step_s, float(batch.lengths_m[index]))
+    simulated = np.stack([standing_at_end(walk, frames) for walk in walks])
+    return metric(standing_at_end(captured, frames), simulated, planner.step_s, float(batch.lengths_m[index]))
 
 
-def _stand_at_end(points_m: Array, frames: int) -> Array:
+def standing_at_end(points_m: Array, frames: int) -> Array:
+    """The first frames of a walk; one with fewer stands at its last point for the rest, (frames, 2) array."""
     if len(points_m) >= frames:
         return points_m[:frames]
     return np.concatenate([points_m, np.repeat(points_m[-1:], frames - len(points_m), axis=0)])

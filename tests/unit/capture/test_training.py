@@ -77,6 +77,18 @@ def test_another_replicate_is_another_capture(training, plans, constants):
     assert not np.array_equal(first["end_s"], second["end_s"])
 
 
+def test_true_walks_are_bounded_by_the_standing_speed_of_the_study(training, plans, constants):
+    one = training.participants.iloc[:1]
+    short = TrainingDesign(straight_distances_m=(2.0,), turning_angles_deg=(), straight_repetitions=2, flawed_walks=0)
+    default, same, high = (
+        record_training(one, short, plans, constants, 1, 0, standing=standing) for standing in (None, Standing(), Standing(0.2))
+    )
+    pd.testing.assert_frame_equal(default[1], same[1])
+    pd.testing.assert_frame_equal(as_text(default[0]), as_text(high[0]))
+    assert (high[1]["start_s"] > default[1]["start_s"]).all()
+    assert (high[1]["end_s"] < default[1]["end_s"]).all()
+
+
 def test_peak_speeds_look_like_real_ones(data_folder, groups, plans, constants):
     """Median peak speed by distance inside the interquartile range of the goal-directed walks of Maroger et al. 2020.
 

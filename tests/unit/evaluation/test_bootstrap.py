@@ -26,6 +26,13 @@ def test_resampled_sums_equal_the_sums_of_the_repeated_values() -> None:
     np.testing.assert_allclose(resampled_sums(values, codes, counts), expected, atol=1e-12)
 
 
+def test_intervals_carry_no_float_noise() -> None:
+    low, high = interval(np.full((50, 2), [5.1e-15, 0.1 + 0.2]) * np.array([-1.0, 1.0]), 12)
+    assert (low.tolist(), high.tolist()) == ([0.0, 0.3], [0.0, 0.3])
+    assert not np.signbit(low).any()
+    assert np.isnan(interval(np.ones((50, 2)), 1)).all()
+
+
 def test_interval_covers_the_median_of_a_clustered_population_about_95_times_in_100() -> None:
     rng = np.random.default_rng(2)
     clusters, per_cluster, studies = 10, 15, 400

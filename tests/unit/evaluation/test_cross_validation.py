@@ -17,7 +17,7 @@ from walklab.capture.walks import WALKS, Walk, read_walks, write_walks
 from walklab.errors import InputError
 from walklab.evaluation.baselines import climatology, regression, task_speeds
 from walklab.evaluation.cross_validation import CrossValidationOptions, Study, leave_one_subject_out, leave_out
-from walklab.evaluation.subject_scores import forecast_scores, subject_scores, summarise
+from walklab.evaluation.subject_scores import OWN_MAP, forecast_scores, subject_scores, summarise
 from walklab.geometry import curves
 from walklab.geometry.scene import Body, Scene
 from walklab.geometry.standing import Standing
@@ -116,6 +116,9 @@ def test_nothing_of_the_forecast_walks_is_used_but_their_tasks_and_the_height(st
     other = replace(study, walks=changed, scores=scores)
     forecast = ["model", "walk", "single_s", "point_s", "low_s", "high_s", "arrived_share", "inside_hull"]
     before, after = (leave_out("B", which, SETTINGS, OPTIONS, 1, 0) for which in (study, other))
+    # The error floor alone reads the walk itself.
+    assert np.any(before.loc[before["model"] == OWN_MAP, "point_s"] != after.loc[after["model"] == OWN_MAP, "point_s"])
+    before, after = (frame[frame["model"] != OWN_MAP] for frame in (before, after))
     pd.testing.assert_frame_equal(before[forecast], after[forecast])
     before, after = (leave_out("C", which, SETTINGS, OPTIONS, 1, 0) for which in (study, other))
     for model in ("P_Prob", "P_Prob without dependencies", "climatology", "regression"):
@@ -128,7 +131,7 @@ def test_one_participant_alone_gives_the_rows_of_the_whole_study(study: Study) -
     whole = leave_one_subject_out(study, SETTINGS, OPTIONS, 3, 0)
     alone = leave_out("C", study, SETTINGS, OPTIONS, 3, 0)
     pd.testing.assert_frame_equal(whole.predictions[whole.predictions["participant"] == "C"].reset_index(drop=True), alone)
-    assert len(whole.scores) == 4 * 6
+    assert len(whole.scores) == 4 * 7
     assert set(whole.scores["walks"]) == {2, 3, 4, 6}
     assert (whole.summary["participants"] == 4).all()
 
@@ -209,6 +212,19 @@ def test_scores_follow_their_definitions() -> None:
     assert not point["covered"].any()
 
 
+def test_the_error_floor_is_that_of_the_walks_own_map_and_is_compared_with_nothing(study: Study) -> None:
+    result = leave_one_subject_out(study, SETTINGS, OPTIONS, 1, 0)
+    floor = result.predictions[result.predictions["model"] == OWN_MAP]
+    np.testing.assert_allclose(floor["abs_dt_s"], 0.0, atol=1e-9)  # every walk was made by a cell
+    summary = result.summary.set_index("model")
+    assert summary.loc[OWN_MAP, "kind"] == "error floor"
+    assert summary["kind"].eq("forecast").sum() == len(summary) - 1
+    assert summary["better_than_reference"].isna().tolist() == (summary.index == OWN_MAP).tolist()
+    assert summary["crps_minus_reference_s"].isna().tolist() == (summary.index == OWN_MAP).tolist()
+    with pytest.raises(InputError, match=r"no model .best cell"):
+        summarise(result.scores, OWN_MAP, np.random.default_rng(0))
+
+
 def predictions_of(errors: dict[str, dict[str, list[float]]]) -> pd.DataFrame:
     frames = []
     for model, people in errors.items():
@@ -274,7 +290,7 @@ def test_example_of_own_walks_goes_through_the_whole_chain(tmp_path: Path) -> No
     write_walks(*tables, tmp_path / "walks.parquet", tmp_path / "samples.parquet")
     study = study_of(read_walks(tmp_path / "walks.parquet", tmp_path / "samples.parquet"))
     result = leave_one_subject_out(study, SETTINGS, OPTIONS, 1, 0)
-    assert len(result.scores) == 4 * 6
+    assert len(result.scores) == 4 * 7
     assert (result.scores["walks"] == 5).all()
     summary = result.summary.set_index("model")
     assert np.isfinite(summary[["median_abs_dt_s", "crps_s", "coverage_90"]].to_numpy(dtype=float)).all()

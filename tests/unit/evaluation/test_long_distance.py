@@ -11,8 +11,11 @@ import pytest
 from walklab.errors import InputError
 from walklab.evaluation.long_distance import (
     SETTINGS,
+    fine_axes,
+    fine_times_s,
     simulated_times_s,
     split_walks,
+    static_intervals_s,
     straight_travel_time_s,
     study_long_distances,
 )
@@ -61,6 +64,42 @@ def test_the_optimum_reproduces_walks_that_all_are_alike() -> None:
     assert optimum["value"].iloc[0] == pytest.approx(1.4, abs=0.1)
     assert len(draws) == 3 * 36
     assert draws.loc[draws["source"] == "Ref", ["v", "a"]].isna().all(axis=None)
+
+
+def test_interpolated_times_are_those_of_simulations() -> None:
+    axes = fine_axes(SPACE)
+    rng = np.random.default_rng(3)
+    places = np.column_stack([rng.integers(len(axis), size=60) for axis in axes])
+    cells = np.column_stack([axis[place] for axis, place in zip(axes, places.T, strict=True)])
+    for distance_m in (10.0, 50.0):
+        times = simulated_times_s(PLANNER, distance_m, SPACE.cells, Standing(), 600.0)
+        fine = fine_times_s(distance_m, times, SPACE).reshape([len(axis) for axis in axes])
+        exact = simulated_times_s(PLANNER, distance_m, cells, Standing(), 600.0)
+        np.testing.assert_allclose(fine[tuple(places.T)], exact, atol=0.1)
+
+
+def test_the_interval_of_the_optimum_is_as_wide_as_training_people_differ() -> None:
+    def widths(spread: float, people: int) -> np.ndarray:
+        walks = captured(spread, people)
+        times = {d: simulated_times_s(PLANNER, d, SPACE.cells, Standing(), 600.0) for d in (10.0, 25.0, 50.0)}
+        intervals = static_intervals_s(walks, times, SPACE, 600.0, np.random.default_rng(0), 200)
+        return np.array([high - low for low, high in intervals.values()])
+
+    np.testing.assert_array_equal(widths(0.0, 6), 0.0)
+    some = widths(0.1, 6)
+    assert np.all(some > [0.3, 0.8, 1.5])
+    assert np.all(np.diff(some) > 0)
+    assert np.isnan(widths(0.1, 1)).all()
+
+
+def test_the_table_has_an_interval_of_the_optimum_that_contains_it() -> None:
+    table = study_long_distances(captured(0.1), PLANNER, SPACE, Standing(), 5, 0, maxfun=600, resamples=200)[0]
+    static = table[table["source"] == "P_Stat"].set_index(["statistic", "distance_m"])
+    median = static.loc["median"]
+    assert ((median["low"] <= median["value"] + 0.1) & (median["value"] - 0.1 <= median["high"])).all()
+    assert (median["high"] - median["low"] > 0.1).all()
+    assert static.loc["iqr", ["low", "high"]].isna().all(axis=None)
+    assert (static.loc["iqr", "value"] == 0).all()
 
 
 def test_draws_depend_on_seed_and_walk_only() -> None:

@@ -17,7 +17,10 @@ def test_description_equals_numpy_and_scipy_and_counts_what_did_not_arrive(make_
     trials = make_trials({"P_Stat": errors})
     trials.loc[:4, "arrival"] = "timeout"
     trials.loc[:1, "inside_hull"] = False
+    assert describe(trials)[["on_edge", "collided"]].iloc[0].tolist() == [0, 0]  # trials of an older run
+    trials["on_edge"], trials["collided"] = trials.index < 7, trials.index == 2
     row = describe(trials).iloc[0]
+    assert (row["on_edge"], row["collided"]) == (7, 1)
     size = np.abs(errors)
     np.testing.assert_allclose(
         row[["p05", "p25", "median", "p75", "p95"]].astype(float), np.quantile(size, [0.05, 0.25, 0.5, 0.75, 0.95])

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import pandas as pd
 import pytest
+import shapely
 from numpy.typing import ArrayLike
 
 from walklab.capture.walks import Walk
 from walklab.errors import InputError
 from walklab.evaluation.long_distance import straight_travel_time_s
 from walklab.evaluation.trials import simulate_trials, task_of
+from walklab.geometry.scene import Scene
 from walklab.geometry.standing import Standing
 from walklab.planning.path_following import PathFollowing
 from walklab.steering.models import StaticModel
+from walklab.steering.space import space_from_config
 
 STEP_S = 1 / 60
 PLANNER = PathFollowing(("v", "a"), STEP_S)
@@ -42,6 +46,7 @@ def walk(number: int, length_m: float, v: float = 1.0, a: float = 1.0) -> Walk:
             "walk": f"scenario_1/P{number % 2}/straight/{number:04d}",
             "participant": f"P{number % 2}",
             "configuration": "straight",
+            "scene": "hall",
             "duration_s": straight_travel_time_s(length_m, v, a),
             "length_m": length_m,
             "start_x_m": 0.0,
@@ -62,9 +67,9 @@ VECTORS = np.array([[w.row["length_m"]] for w in WALKS])
 
 
 def simulate(
-    models: dict, walks: list[Walk] = WALKS, vectors: np.ndarray = VECTORS, limit_s: float = 60.0, stream: str | None = None
+    models: dict, walks: list[Walk] = WALKS, vectors: np.ndarray = VECTORS, limit_s: float = 60.0, **options: Any
 ) -> pd.DataFrame:
-    return simulate_trials(models, PLANNER, walks, ROUTES, vectors, Standing(), limit_s, "euclid", 7, 0, stream=stream)
+    return simulate_trials(models, PLANNER, walks, ROUTES, vectors, Standing(), limit_s, "euclid", 7, 0, **options)
 
 
 def test_travel_times_are_those_of_the_closed_form() -> None:
@@ -109,7 +114,51 @@ def test_rows_carry_the_domain_of_validity_and_the_parameters_by_name() -> None:
     table = simulate({"P_Stat": StaticModel(("v", "a"), (1.0, 1.0)), "P_Prob": Drawing()})
     assert list(table["inside_hull"]) == 2 * [True, True, True, False, False]
     columns = "walk participant configuration model v a captured_s simulated_s dt_s abs_dt_s arrival metric_s inside_hull"
-    assert list(table.columns) == columns.split()
+    assert list(table.columns) == [*columns.split(), "on_edge", "collided"]
+    assert not table[["on_edge", "collided"]].any(axis=None)
+
+
+SPACE = space_from_config([{"name": name, "unit": "", "start": 0.5, "step": 0.5, "count": 3} for name in ("v", "a")])
+
+
+def test_parameters_on_the_border_of_the_space_are_marked() -> None:
+    models = {"inside": StaticModel(("v", "a"), (1.0, 1.2)), "corner": StaticModel(("v", "a"), (1.5, 0.7))}
+    table = simulate(models, space=SPACE)
+    assert table.groupby("model")["on_edge"].agg(["all", "any"]).to_numpy().tolist() == [[True, True], [False, False]]
+    with pytest.raises(InputError, match="axes a are not the planner's v, a"):
+        simulate(models, space=SPACE.without("v"))
+
+
+@pytest.mark.parametrize(
+    ("box", "hit"),
+    [
+        ((1.6, -0.1, 1.7, 0.1), [False, False, True, True, True]),  # from side to side
+        ((1.6, 0.0, 1.7, 0.1), [False] * 5),  # along its outline
+        ((1.6, 0.3, 1.7, 0.6), [False] * 5),  # closer than a body is wide
+        ((-1.0, -1.0, 9.0, 1.0), [True] * 5),  # altogether inside
+        ((0.7, -0.1, 1.0, 0.1), [True] * 5),  # the first ends within
+    ],
+)
+def test_a_path_through_a_true_obstacle_collides(box: tuple[float, float, float, float], hit: list[bool]) -> None:
+    hall = Scene("hall", {"far": shapely.box(50, 50, 51, 51), "rack": shapely.box(*box)})
+    table = simulate({"P_Stat": StaticModel(("v", "a"), (1.0, 1.0))}, scenes={"hall": hall, "open": Scene("open")})
+    assert table["collided"].tolist() == hit
+    # Brute force: some stretch of the path lies inside.
+    for row, one in zip(table.itertuples(), WALKS, strict=True):
+        path = PLANNER.follow(ROUTES[row.walk], task_of(one.row), np.array([1.0, 1.0]), 60.0).positions_m
+        inside = [part.length > 0 and part.within(shapely.box(*box).buffer(-1e-9)) for part in _split(path, box)]
+        assert row.collided == any(inside)
+
+
+def _split(path: np.ndarray, box: tuple[float, float, float, float]) -> list[shapely.Geometry]:
+    return list(shapely.get_parts(shapely.intersection(shapely.LineString(path), shapely.box(*box).buffer(-1e-6))))
+
+
+def test_an_open_scene_has_nothing_to_collide_with_and_an_unknown_one_is_refused() -> None:
+    models = {"P_Stat": StaticModel(("v", "a"), (1.0, 1.0))}
+    assert not simulate(models, scenes={"hall": Scene("hall")})["collided"].any()
+    with pytest.raises(InputError, match="column scene: 'hall' is not among the plan views"):
+        simulate(models, scenes={"open": Scene("open")})
 
 
 def test_what_does_not_fit_is_refused() -> None:

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 
 from walklab.errors import InputError
+from walklab.geometry.standing import Standing
 from walklab.steering.metrics import METRICS, euclid, frechet, metric_named, travel_time
 
 
@@ -57,6 +58,17 @@ def test_travel_time_sees_only_the_moving_part():
 
     captured, simulated = standing_before_and_after(200)[:400], standing_before_and_after(150)[:400]
     assert travel_time(captured, simulated[None], 0.01, 1.0)[0] == pytest.approx(0.5)
+
+
+def test_travel_time_is_measured_by_the_given_standing_speed():
+    # Ten seconds of creeping at 0.1 m/s before one of walking: creeping is standing only above that speed.
+    creep = np.concatenate([straight(0.1, 0.01, 1000), 1.0 + straight(1.0, 0.01, 101) * [1, 0] - [0, 1.0]])
+    still = np.repeat(creep[-1:] * 0, len(creep), axis=0)
+    low, high = (metric_named("travel_time", Standing(speed))(still, creep[None], 0.01, 1.0)[0] for speed in (0.05, 0.2))
+    assert low == pytest.approx(11.0, abs=0.1)
+    assert high == pytest.approx(1.0, abs=0.1)
+    assert metric_named("travel_time", Standing(0.2)).name == "travel_time"
+    assert metric_named("euclid", Standing(0.2)) is METRICS["euclid"]
 
 
 def test_an_unknown_metric_is_named():
