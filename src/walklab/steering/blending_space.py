@@ -86,7 +86,7 @@ class BlendingSpace:
         InputError
             If a vector has not D finite values.
         """
-        asked = np.ascontiguousarray(np.atleast_2d(np.asarray(vectors, dtype=float)))
+        asked = np.array(vectors, dtype=float, ndmin=2, order="C")
         if asked.ndim != 2 or asked.shape[1] != len(self.names):
             raise InputError(f"dependency vectors have {asked.shape[-1]} values; needed are {', '.join(self.names) or 'none'}")
         if not np.isfinite(asked).all():

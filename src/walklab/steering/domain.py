@@ -37,7 +37,7 @@ class DomainOfValidity:
 
     def inside(self, vectors: ArrayLike) -> NDArray[np.bool_]:
         """Whether each of the (W, D) dependency vectors lies in the hull, (W,) array."""
-        asked = np.ascontiguousarray(np.atleast_2d(np.asarray(vectors, dtype=float)))
+        asked = np.array(vectors, dtype=float, ndmin=2, order="C")
         return _inside(asked, self.scaling.offset, self.scaling.scale, self.centre, self.basis, self.equations)
 
 

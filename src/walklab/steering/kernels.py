@@ -62,25 +62,25 @@ def value(c: Array, at: Array, shape: Shape, kind: int, epsilon: float, degree: 
     for i in range(layers):
         gap = (at[0] - i) * epsilon
         base = gap * gap
-        first = i * layer
+        part = c[i * layer : (i + 1) * layer]
         if kind == MULTIQUADRIC:
             base += 1.0
             for q in range(layer):
-                total -= c[first + q] * np.sqrt(base + s[q])
+                total -= part[q] * np.sqrt(base + s[q])
         elif kind == THIN_PLATE_SPLINE:
             for q in range(layer):
                 square = base + s[q]
-                total += c[first + q] * 0.5 * square * np.log(max(square, TINY))
+                total += part[q] * 0.5 * square * np.log(max(square, TINY))
         elif kind == CUBIC:
             for q in range(layer):
                 square = base + s[q]
-                total += c[first + q] * square * np.sqrt(square)
+                total += part[q] * square * np.sqrt(square)
         elif kind == LINEAR:
             for q in range(layer):
-                total -= c[first + q] * np.sqrt(base + s[q])
+                total -= part[q] * np.sqrt(base + s[q])
         else:
             for q in range(layer):
-                total += c[first + q] * np.exp(-base - s[q])
+                total += part[q] * np.exp(-base - s[q])
     total += c[cells]
     if degree == 1:
         for axis in range(len(shape)):

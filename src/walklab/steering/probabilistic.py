@@ -24,7 +24,7 @@ from walklab.steering.modes import modes
 from walklab.steering.multilinear import MultilinearInterpolant
 from walklab.steering.proposals import blocks_of
 from walklab.steering.space import ParameterSpace
-from walklab.steering.uniforms import LARGEST_SEED, State, seeds_from
+from walklab.steering.uniforms import seeds_from
 from walklab.steering.weighting import Weighting
 
 Array = NDArray[np.float64]
@@ -225,7 +225,7 @@ class ProbabilisticModel:
         if len(asked) != 1:
             raise InputError(f"sample draws for one dependency vector, {len(asked)} were given; see sample_batch")
         self._warn(asked)
-        return self._draw(asked, seeds_from([source]), size)[0]
+        return self._draw(asked, source.random(1), size)[0]
 
     def sample_batch(self, vectors: ArrayLike, size: int = 1, rng: np.random.Generator | Generators | None = None) -> Array:
         """Draw (W, size, P) parameter vectors for (W, D) dependency vectors at once.
@@ -237,7 +237,7 @@ class ProbabilisticModel:
         if isinstance(rng, Sequence):
             return self._draw(asked, self._seeds(rng, len(asked)), size)
         source = np.random.default_rng() if rng is None else rng
-        return self._draw(asked, source.integers(LARGEST_SEED, size=len(asked)).astype(np.uint64), size)
+        return self._draw(asked, source.random(len(asked)), size)
 
     def parameters(self, vectors: ArrayLike, generators: Generators | None = None) -> Array:
         """One draw per walk, (W, P); walk i draws from ``generators[i]`` only.
@@ -251,19 +251,18 @@ class ProbabilisticModel:
         return self._draw(asked, self._seeds(generators, len(asked)), 1)[:, 0]
 
     @staticmethod
-    def _seeds(generators: Generators | None, count: int) -> State:
+    def _seeds(generators: Generators | None, count: int) -> Array:
         if generators is None or len(generators) != count:
             raise ValueError("the probabilistic model needs one random generator per walk")
         return seeds_from(generators)
 
-    def _draw(self, asked: Array, seeds: State, size: int) -> Array:
-        if len(self.fixed) == len(self.names):
-            return np.tile(self.box[:, 0], (len(asked), size, 1))
+    def _draw(self, asked: Array, seeds: Array, size: int) -> Array:
         samples = np.empty((len(asked), size, len(self._drawn)))
-        outcome, walk = self._sampler(asked, seeds, samples)
-        if outcome != sampling.DONE:
-            raise RuntimeError(f"internal error: {sampling.REASONS[outcome]} for dependencies {asked[walk].tolist()}")
-        if len(self._drawn) == len(self.names):
+        if self._drawn:
+            outcome, walk = self._sampler(asked, seeds, samples)
+            if outcome != sampling.DONE:
+                raise RuntimeError(f"internal error: {sampling.REASONS[outcome]} for dependencies {asked[walk].tolist()}")
+        if not self.fixed:
             return samples
         whole = np.tile(self.box[:, 0], (len(asked), size, 1))
         whole[:, :, self._drawn] = samples
@@ -271,8 +270,8 @@ class ProbabilisticModel:
 
     @cached_property
     def _drawn(self) -> list[int]:
-        """Axes of what the sampler returns: of the multilinear basis only those that are not held."""
-        if isinstance(self.interpolant, MultilinearInterpolant):
+        """Axes of what the sampler returns: without held ones for the multilinear basis, and where all are held."""
+        if len(self._held) == len(self.names) or isinstance(self.interpolant, MultilinearInterpolant):
             return [axis for axis in range(len(self.names)) if axis not in self._held]
         return list(range(len(self.names)))
 
@@ -305,9 +304,10 @@ class ProbabilisticModel:
         return self.domain.inside(vectors)
 
     def _warn(self, asked: Array) -> None:
-        outside = np.flatnonzero(~self.domain.inside(asked))
-        if not outside.size:
+        inside = self.domain.inside(asked)
+        if inside.all():
             return
+        outside = np.flatnonzero(~inside)
         captured = self.blending.vectors[~self.blending.is_blend]
         ranges = zip(self.dependencies, self.dependency_units, captured.min(axis=0), captured.max(axis=0), strict=True)
         values = asked[outside[0]]

@@ -20,7 +20,7 @@ from walklab.steering.bounds import bound_of_block
 from walklab.steering.interpolation import Interpolant
 from walklab.steering.multilinear import MultilinearInterpolant
 from walklab.steering.proposals import Blocks, envelope, pick, propose
-from walklab.steering.uniforms import State, uniform
+from walklab.steering.uniforms import start, uniform
 
 Array = NDArray[np.float64]
 Single = NDArray[np.float32]
@@ -29,7 +29,7 @@ Rungs = NDArray[np.uint8]
 Tree = tuple[Array, Array, Array, Indices, Array]  # offset, scale, points, order, boxes
 Places = tuple[Array, Array, Array, Array]  # Blocks.compiled
 
-Sampler = Callable[[Array, State, Array], tuple[int, int]]  # dependency vectors, seeds, samples -> outcome, walk
+Sampler = Callable[[Array, Array, Array], tuple[int, int]]  # dependency vectors, seeds, samples -> outcome, walk
 
 DONE, ABOVE_BOUND, EXHAUSTED, NOWHERE = range(4)
 REASONS = {
@@ -77,7 +77,7 @@ def sampler(
 def draw_radial(
     tree: Tree, k: int, how: int, coefficients: NDArray, rungs: Rungs, unit: float, volumes: Array,
     places: Places, exponent: float, shape: Indices, kind: int, epsilon: float, degree: int, vectors: Array,
-    seeds: State, samples: Array,
+    seeds: Array, samples: Array,
 ) -> tuple[int, int]:  # fmt: skip
     """Draw from ``max(f, 0)^exponent``, f the radial basis functions of the blend.
 
@@ -98,7 +98,7 @@ def draw_radial(
         cells *= n
     s, at, proposal, state = np.empty(cells), np.empty(len(shape)), np.empty(len(shape)), np.empty(1, np.uint64)
     for walk in range(len(vectors)):
-        state[0] = seeds[walk]
+        start(state, seeds[walk])
         indices, weights = parents_of(vectors[walk], offset, scale, points, order, boxes, k, how)
         heights = blend_up(rungs, unit, indices, weights)
         top = envelope(heights, volumes, exponent, shares, cumulative)
@@ -138,7 +138,7 @@ def sharpened(share: float, exponent: float) -> float:
 @njit(cache=True, nogil=True)
 def draw_mixture(
     tree: Tree, k: int, how: int, maps: Array, unit: float, volumes: Array, places: Places, corners: Indices,
-    shape: Indices, vectors: Array, seeds: State, samples: Array,
+    shape: Indices, vectors: Array, seeds: Array, samples: Array,
 ) -> tuple[int, int]:  # fmt: skip
     """Draw from a multilinear blend at exponent 1: pick a map by its weight, then accept a uniform point by its height.
 
@@ -152,7 +152,7 @@ def draw_mixture(
     at, proposal, state = np.empty(len(shape)), np.empty(len(shape)), np.empty(1, np.uint64)
     parts = np.empty(len(corners))
     for walk in range(len(vectors)):
-        state[0] = seeds[walk]
+        start(state, seeds[walk])
         indices, weights = parents_of(vectors[walk], offset, scale, points, order, boxes, k, how)
         chance = np.cumsum(weights)
         for row in range(samples.shape[1]):
@@ -178,7 +178,7 @@ def draw_mixture(
 @njit(cache=True, nogil=True)
 def draw_multilinear(
     tree: Tree, k: int, how: int, maps: Array, rungs: Rungs, unit: float, nodes: Indices, volumes: Array,
-    places: Places, corners: Indices, exponent: float, shape: Indices, vectors: Array, seeds: State, samples: Array,
+    places: Places, corners: Indices, exponent: float, shape: Indices, vectors: Array, seeds: Array, samples: Array,
 ) -> tuple[int, int]:  # fmt: skip
     """Draw from ``f^exponent``, f the multilinear blend.
 
@@ -199,10 +199,10 @@ def draw_multilinear(
     parts = np.empty(len(corners))
     many = samples.shape[1] > FEW
     for walk in range(len(vectors)):
-        state[0] = seeds[walk]
+        start(state, seeds[walk])
         indices, weights = parents_of(vectors[walk], offset, scale, points, order, boxes, k, how)
         ceiling = blend_up(rungs, unit, indices, weights)
-        _highest_corner(ceiling, nodes, corners, heights)
+        _highest_corner(ceiling, nodes, shape, heights)
         top = envelope(heights, volumes, exponent, shares, cumulative)
         if not top > 0.0:
             return NOWHERE, walk
@@ -210,7 +210,7 @@ def draw_multilinear(
         surface = blend(maps, indices, weights) if many or faint else np.empty(0)
         if faint:
             ceiling = surface.astype(np.float32) * blending.ROUNDING
-            _highest_corner(ceiling, nodes, corners, heights)
+            _highest_corner(ceiling, nodes, shape, heights)
             top = envelope(heights, volumes, exponent, shares, cumulative)
             if not top > 0.0:
                 return NOWHERE, walk
@@ -241,12 +241,18 @@ def draw_multilinear(
 
 
 @njit(cache=True, nogil=True)
-def _highest_corner(ceiling: Single, nodes: Indices, corners: Indices, heights: Single) -> None:
+def _highest_corner(ceiling: Single, nodes: Indices, shape: Indices, heights: Single) -> None:
+    """Fill ``heights`` (b,) with the highest corner of the block above each of the nodes."""
+    highest = ceiling.copy()
+    stride = 1
+    for axis in range(len(shape) - 1, -1, -1):
+        # Along one axis after the other. At an axis's last node this looks into the next line; no block begins there.
+        lower, upper = highest, highest[stride:].copy()
+        for i in range(len(upper)):
+            lower[i] = lower[i] if lower[i] > upper[i] else upper[i]
+        stride *= shape[axis]
     for b in range(len(nodes)):
-        heights[b] = ceiling[nodes[b]]
-    for corner in corners:
-        for b in range(len(nodes)):
-            heights[b] = max(heights[b], ceiling[nodes[b] + corner])
+        heights[b] = highest[nodes[b]]
 
 
 @njit(cache=True, nogil=True)

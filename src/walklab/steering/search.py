@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-LEAF = 24  # entries of a leaf, at most
+LEAF = 32  # entries of a leaf, at most
 DEEPEST = 64  # levels a search can remember; 2^64 leaves
 
 

@@ -13,7 +13,7 @@ from walklab.steering.models import probabilistic_model
 from walklab.steering.proposals import pick
 from walklab.steering.scaling import fit_scaling
 from walklab.steering.space import space_from_config
-from walklab.steering.uniforms import uniform
+from walklab.steering.uniforms import start, uniform
 
 BASES = ["rbf", "multilinear"]
 EXPONENTS = [1.0, 30.0]
@@ -201,7 +201,8 @@ def test_the_two_bases_differ_and_by_how_much():
 def test_uniform_numbers_are_uniform_and_independent():
     numbers = []
     for seed in range(200):
-        state = np.array([seed], dtype=np.uint64)
+        state = np.empty(1, dtype=np.uint64)
+        start(state, seed / 2**53)
         numbers.append([uniform(state) for _ in range(100)])
     numbers = np.array(numbers)
     assert stats.kstest(numbers.ravel(), "uniform").pvalue > 0.001
