@@ -12,16 +12,11 @@ from functools import cached_property
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray
-from scipy.sparse import csr_array
-from sklearn.neighbors import KDTree
 
 from walklab.errors import InputError
-from walklab.steering.density import density
-from walklab.steering.dependencies import DEPENDENCIES
 from walklab.steering.scaling import Scaling, fit_scaling
+from walklab.steering.search import SearchTree, search_tree
 from walklab.steering.weighting import Weighting, weights
-
-__all__ = ["BlendingSpace", "blending_space", "density", "homogenise", "weights"]
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
@@ -62,9 +57,9 @@ class BlendingSpace:
         return self.parents[:, 0] != np.arange(len(self.vectors))
 
     @cached_property
-    def tree(self) -> KDTree:
-        """Search tree over the scaled vectors (section 5: scikit-learn's KDTree)."""
-        return KDTree(self.scaling.apply(self.vectors))
+    def tree(self) -> SearchTree:
+        """Search tree over the scaled vectors."""
+        return search_tree(self.scaling.apply(self.vectors))
 
     def nearest(self, vectors: ArrayLike, k: int) -> tuple[Indices, Array]:
         """Indices and scaled distances of the k nearest entries, each (W, k), nearest first.
@@ -76,18 +71,28 @@ class BlendingSpace:
         InputError
             If k is not between 1 and the number of entries, or a vector has not D values.
         """
-        asked = np.atleast_2d(np.asarray(vectors, dtype=float))
-        if asked.shape[1] != len(self.names):
-            raise InputError(f"dependency vectors have {asked.shape[1]} values; needed are {', '.join(self.names) or 'none'}")
+        asked = self.checked(vectors)
         if not 1 <= k <= len(self):
             raise InputError(f"k = {k}: must lie between 1 and the blending space's {len(self)} entries")
-        if not np.all(np.isfinite(asked)):
-            row, column = np.argwhere(~np.isfinite(asked))[0]
-            raise InputError(f"dependency vectors: row {row}, {self.names[column]} is {asked[row, column]}; give a finite number")
         if not self.names:
             return np.tile(np.arange(len(self)), (len(asked), 1)), np.zeros((len(asked), len(self)))
-        distances, indices = self.tree.query(self.scaling.apply(asked), k)
-        return indices.astype(np.int64), distances
+        return self.tree.nearest(self.scaling.apply(asked), k)
+
+    def checked(self, vectors: ArrayLike) -> Array:
+        """(W, D) dependency vectors as numbers.
+
+        Raises
+        ------
+        InputError
+            If a vector has not D finite values.
+        """
+        asked = np.array(vectors, dtype=float, ndmin=2, order="C")
+        if asked.ndim != 2 or asked.shape[1] != len(self.names):
+            raise InputError(f"dependency vectors have {asked.shape[-1]} values; needed are {', '.join(self.names) or 'none'}")
+        if not np.isfinite(asked).all():
+            row, column = np.argwhere(~np.isfinite(asked))[0]
+            raise InputError(f"dependency vectors: row {row}, {self.names[column]} is {asked[row, column]}; give a finite number")
+        return asked
 
     def neighbours(self, vectors: ArrayLike, k: int, how: Weighting = "linear") -> tuple[Indices, Array]:
         """Indices and blend weights of the k nearest entries, each (W, k); weights sum to 1."""
@@ -167,6 +172,8 @@ def homogenise(
     # measured map is worth more than a blend of its neighbours.
     # ASSUME: Kovar & Gleicher keep whatever random blends come; here the farthest of many candidates is taken each
     # time, because the stated purpose is a homogeneous density and random blends would only thicken the dense places.
+    from walklab.steering.dependencies import DEPENDENCIES  # late: a process that only samples needs no tables
+
     scale = fit_scaling(vectors) if scaling is None else scaling
     labels = units if units is not None else [DEPENDENCIES[n].unit if n in DEPENDENCIES else "" for n in names]
     original = blending_space(names, labels, vectors, maps, scale)
@@ -242,6 +249,8 @@ def _farthest_first(existing: Array, candidates: Array, count: int) -> Indices:
 
 
 def _extend(space: BlendingSpace, parents: Indices, shares: Array, vectors: Array) -> BlendingSpace:
+    from scipy.sparse import csr_array  # late, as above
+
     blends, size = parents.shape
     mixing = csr_array((shares.ravel(), parents.ravel(), np.arange(0, blends * size + 1, size)), shape=(blends, len(space)))
     maps = np.clip(mixing @ space.maps, *MAP_RANGE)

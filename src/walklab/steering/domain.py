@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
+from numba import njit
 from numpy.typing import ArrayLike, NDArray
-from scipy.spatial import ConvexHull, QhullError
 
 from walklab.steering.scaling import Scaling
 
@@ -37,12 +37,35 @@ class DomainOfValidity:
 
     def inside(self, vectors: ArrayLike) -> NDArray[np.bool_]:
         """Whether each of the (W, D) dependency vectors lies in the hull, (W,) array."""
-        centred = self.scaling.apply(np.atleast_2d(np.asarray(vectors, dtype=float))) - self.centre
-        reduced = centred @ self.basis.T
-        astray = np.abs(centred - reduced @ self.basis).max(axis=1, initial=0.0)
-        rank = len(self.basis)
-        beyond = (reduced @ self.equations[:, :rank].T + self.equations[:, rank]).max(axis=1, initial=-np.inf)
-        return (astray <= TOLERANCE) & (beyond <= TOLERANCE)
+        asked = np.array(vectors, dtype=float, ndmin=2, order="C")
+        return _inside(asked, self.scaling.offset, self.scaling.scale, self.centre, self.basis, self.equations)
+
+
+@njit(cache=True, nogil=True)
+def _inside(vectors: Array, offset: Array, scale: Array, centre: Array, basis: Array, equations: Array) -> NDArray[np.bool_]:
+    rank, count = basis.shape
+    result = np.ones(len(vectors), np.bool_)
+    centred, reduced = np.empty(count), np.empty(rank)
+    for row in range(len(vectors)):
+        for d in range(count):
+            centred[d] = (vectors[row, d] - offset[d]) / scale[d] - centre[d]
+        for r in range(rank):
+            reduced[r] = 0.0
+            for d in range(count):
+                reduced[r] += basis[r, d] * centred[d]
+        for d in range(count):
+            along = 0.0
+            for r in range(rank):
+                along += reduced[r] * basis[r, d]
+            if not abs(centred[d] - along) <= TOLERANCE:
+                result[row] = False
+        for facet in range(len(equations)):
+            beyond = equations[facet, rank]
+            for r in range(rank):
+                beyond += equations[facet, r] * reduced[r]
+            if not beyond <= TOLERANCE:
+                result[row] = False
+    return result
 
 
 def fit_domain(vectors: ArrayLike, scaling: Scaling) -> DomainOfValidity:
@@ -61,6 +84,8 @@ def _hull_equations(reduced: Array) -> Array:
         return np.zeros((0, 1))
     if rank == 1:
         return np.array([[1.0, -reduced.max()], [-1.0, reduced.min()]])
+    from scipy.spatial import ConvexHull, QhullError  # late: a process that only samples builds no hull
+
     try:
         hull = ConvexHull(reduced)
     except QhullError:  # nearly flat clouds: Qhull's own joggling resolves them, deterministically

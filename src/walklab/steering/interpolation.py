@@ -12,14 +12,14 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.linalg import lu_factor, lu_solve
-from scipy.spatial.distance import cdist
 
 from walklab.errors import InputError
 from walklab.steering import kernels
+from walklab.steering.multilinear import MultilinearInterpolant
 
 Array = NDArray[np.float64]
 Kernel = Literal["multiquadric", "thin_plate_spline", "cubic", "linear", "gaussian"]
+Basis = Literal["rbf", "multilinear"]
 
 # kernel -> (number in compiled code, degree of the polynomial that scipy adds by default)
 KERNELS: dict[str, tuple[int, int]] = {
@@ -49,6 +49,8 @@ class GridInterpolant:
     shape: tuple[int, ...]
     kernel: Kernel = "multiquadric"
     epsilon: float = 1.0
+
+    name = "rbf"
 
     def __post_init__(self) -> None:
         # ASSUME: The paper does not name its radial basis function; multiquadric with a width of one grid step is
@@ -86,6 +88,8 @@ class GridInterpolant:
 
     def basis(self, steps: ArrayLike) -> Array:
         """Value of every term at (L, P) points, (L, terms): ``f = basis @ coefficients``."""
+        from scipy.spatial.distance import cdist  # late: a process that only samples never solves
+
         points = np.atleast_2d(np.asarray(steps, dtype=float))
         radial = kernels.apply(self.kind, self.epsilon**2 * cdist(points, self.nodes, "sqeuclidean"))
         half = (np.array(self.shape) - 1) / 2
@@ -100,6 +104,8 @@ class GridInterpolant:
 
     @cached_property
     def _factors(self) -> tuple[Array, NDArray[np.int32]]:
+        from scipy.linalg import lu_factor
+
         return lu_factor(self._matrix)
 
     def coefficients(self, maps: ArrayLike) -> Array:
@@ -109,6 +115,8 @@ class GridInterpolant:
             raise InputError(
                 f"maps have {values.shape[1]} cells, the parameter grid {self.cells}: they belong to different spaces"
             )
+        from scipy.linalg import lu_solve
+
         padded = np.zeros((self.terms, len(values)), order="F")
         padded[: self.cells] = values.T
         return np.ascontiguousarray(lu_solve(self._factors, padded, overwrite_b=True, check_finite=False).T)
@@ -126,5 +134,25 @@ class GridInterpolant:
     @cached_property
     def inverse_diagonal(self) -> Array:
         """(C,) diagonal of the inverse system, for Rippa's leave-one-out errors ``e_i = c_i / (A^-1)_ii`` (Rippa 1999)."""
+        from scipy.linalg import lu_solve
+
         inverse = lu_solve(self._factors, np.eye(self.terms), check_finite=False)
         return np.diagonal(inverse)[: self.cells].copy()
+
+
+Interpolant = GridInterpolant | MultilinearInterpolant
+
+
+def interpolant_named(basis: Basis, shape: tuple[int, ...], kernel: Kernel = "multiquadric", epsilon: float = 1.0) -> Interpolant:
+    """The paper's radial basis functions (``rbf``, with a kernel and its width) or the ``multilinear`` basis.
+
+    Raises
+    ------
+    InputError
+        If there is no basis or kernel of that name.
+    """
+    if basis == "rbf":
+        return GridInterpolant(shape, kernel, epsilon)
+    if basis == "multilinear":
+        return MultilinearInterpolant(shape)
+    raise InputError(f"basis: there is no {basis!r}; choose rbf or multilinear")

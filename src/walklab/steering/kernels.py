@@ -50,25 +50,37 @@ def squared_distances(at: Array, shape: Shape, epsilon: float, s: Array) -> None
 
 @njit(cache=True, nogil=True, fastmath=REGROUP)
 def value(c: Array, at: Array, shape: Shape, kind: int, epsilon: float, degree: int, s: Array) -> float:
-    """The interpolant at one point; ``s`` (C,) is scratch."""
-    squared_distances(at, shape, epsilon, s)
+    """The interpolant at one point; ``s`` (C,) is scratch.
+
+    The distances along all axes but the first are the same in every layer of the grid and computed once.
+    """
+    layers = shape[0]
     cells = len(s)
+    layer = cells // layers
+    squared_distances(at[1:], shape[1:], epsilon, s[:layer])
     total = 0.0
-    if kind == MULTIQUADRIC:
-        for i in range(cells):
-            total -= c[i] * np.sqrt(1.0 + s[i])
-    elif kind == THIN_PLATE_SPLINE:
-        for i in range(cells):
-            total += c[i] * 0.5 * s[i] * np.log(max(s[i], TINY))
-    elif kind == CUBIC:
-        for i in range(cells):
-            total += c[i] * s[i] * np.sqrt(s[i])
-    elif kind == LINEAR:
-        for i in range(cells):
-            total -= c[i] * np.sqrt(s[i])
-    else:
-        for i in range(cells):
-            total += c[i] * np.exp(-s[i])
+    for i in range(layers):
+        gap = (at[0] - i) * epsilon
+        base = gap * gap
+        part = c[i * layer : (i + 1) * layer]
+        if kind == MULTIQUADRIC:
+            base += 1.0
+            for q in range(layer):
+                total -= part[q] * np.sqrt(base + s[q])
+        elif kind == THIN_PLATE_SPLINE:
+            for q in range(layer):
+                square = base + s[q]
+                total += part[q] * 0.5 * square * np.log(max(square, TINY))
+        elif kind == CUBIC:
+            for q in range(layer):
+                square = base + s[q]
+                total += part[q] * square * np.sqrt(square)
+        elif kind == LINEAR:
+            for q in range(layer):
+                total -= part[q] * np.sqrt(base + s[q])
+        else:
+            for q in range(layer):
+                total += part[q] * np.exp(-base - s[q])
     total += c[cells]
     if degree == 1:
         for axis in range(len(shape)):

@@ -11,7 +11,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from walklab.steering.blending_space import BlendingSpace, homogenise
-from walklab.steering.interpolation import GridInterpolant, Kernel
+from walklab.steering.interpolation import Basis, Kernel, interpolant_named
 from walklab.steering.models import ProbabilisticModel, probabilistic_model
 from walklab.steering.scaling import fit_scaling
 from walklab.steering.space import ParameterSpace
@@ -30,6 +30,7 @@ class TrainingSettings:
     normalisation : scores to suitability
     count : entries of the blending space after up-sampling; None adds none
     neighbours, subset, delta : of the up-sampling
+    basis : how maps are interpolated between grid nodes: ``rbf`` (the paper) or ``multilinear``
     kernel, epsilon : of the radial basis functions
     k, weights, exponent : of the model
     """
@@ -39,6 +40,7 @@ class TrainingSettings:
     neighbours: int = 50
     subset: int = 4
     delta: float = 0.1
+    basis: Basis = "rbf"
     kernel: Kernel = "multiquadric"
     epsilon: float = 1.0
     k: int = 100
@@ -83,7 +85,7 @@ def train(
 ) -> ProbabilisticModel:
     """A probabilistic model from raw scores; drop a column of ``vectors`` to train without a dependency."""
     blending = train_blending_space(scores, vectors, participants, settings, rng)
-    interpolant = GridInterpolant(space.shape, settings.kernel, settings.epsilon)
+    interpolant = interpolant_named(settings.basis, space.shape, settings.kernel, settings.epsilon)
     return probabilistic_model(
         blending,
         space,

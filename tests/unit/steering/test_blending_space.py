@@ -2,8 +2,10 @@ import numpy as np
 import pytest
 
 from walklab.errors import InputError
-from walklab.steering.blending_space import blending_space, density, homogenise, weights
+from walklab.steering.blending_space import blending_space, homogenise
+from walklab.steering.density import density
 from walklab.steering.scaling import fit_scaling
+from walklab.steering.weighting import weights
 
 NAMES = ("length", "curvature", "height")
 

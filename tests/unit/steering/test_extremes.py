@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
-from walklab.steering.bounds import block_bounds, tightened
+from walklab.steering.bounds import block_bounds
 from walklab.steering.interpolation import KERNELS, GridInterpolant
 from walklab.steering.modes import modes
 
@@ -57,16 +57,13 @@ def test_the_weighted_bounds_cover_the_blend(kernel):
         best = highest(interpolant, shares @ c, np.zeros(3), np.array([4.0, 4.0, 3.0]), seed)
         coarse = shares @ bounds
         bound = coarse.max()
-        tight = tightened(interpolant, shares @ c, coarse, np.arange(coarse.size))
         nodes = interpolant.evaluate(shares @ c, interpolant.nodes).max()
         overshoots += best > nodes * 1.001
-        assert best <= tight <= bound
+        assert best <= bound
     smooth = np.random.default_rng(0).dirichlet(np.full(30, 0.05))
     best = highest(interpolant, smooth @ c[30:], np.zeros(3), np.array([4.0, 4.0, 3.0]), 0)
     coarse = smooth @ bounds[30:]
-    tight = tightened(interpolant, smooth @ c[30:], coarse, np.arange(coarse.size))
-    assert best <= tight < 1.1 * best  # not so loose that proposals are wasted
-    assert tight < coarse.max() < 1.3 * best
+    assert best <= coarse.max() < 1.3 * best  # not so loose that proposals are wasted
     assert overshoots > 0  # else the grid's own maximum would have been bound enough
 
 

@@ -177,12 +177,12 @@ def test_a_file_of_another_kind_is_refused(model, maps, tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda t, h: h.update(version=99), "version 1"),
+        (lambda t, h: h.update(version=99), "version 2"),
         (lambda t, h: h.update(format="another"), "not a walklab motion model"),
-        (lambda t, h: h.pop("kernel"), "kernel"),
+        (lambda t, h: h.pop("basis"), "basis"),
         (lambda t, h: h.update(k=10_000), "model.k = 10000"),
         (lambda t, h: h["axes"].pop(), "shape"),
-        (lambda t, h: t.pop("bounds"), "bounds"),
+        (lambda t, h: t.pop("rungs"), "rungs"),
         (lambda t, h: t.update(maps=t["maps"][:, :-1]), "tensor maps"),
         (lambda t, h: t["coefficients"].__setitem__((0, 0), np.nan), "not finite"),
     ],

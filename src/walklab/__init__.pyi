@@ -1,0 +1,15 @@
+from walklab.errors import InputError as InputError
+from walklab.geometry.plans import load_plan as load_plan
+from walklab.geometry.scene import Body as Body
+from walklab.geometry.scene import Scene as Scene
+from walklab.geometry.scene import State as State
+from walklab.geometry.scene import Task as Task
+from walklab.planning.protocol import Trajectory as Trajectory
+from walklab.simulation import simulate as simulate
+from walklab.simulation import simulate_draws as simulate_draws
+from walklab.simulation import task_vector as task_vector
+from walklab.simulation import travel_time_quantiles as travel_time_quantiles
+from walklab.steering.models import AdaptiveModel as AdaptiveModel
+from walklab.steering.models import StaticModel as StaticModel
+from walklab.steering.probabilistic import OutsideTrainingRange as OutsideTrainingRange
+from walklab.steering.probabilistic import ProbabilisticModel as ProbabilisticModel
