@@ -98,7 +98,15 @@ rule fit_static:
         stage("fit_static", "benchmark.tsv")
     threads: workflow.cores
     params:
-        **section("seed", "planner", "space", "metric", "fit_static", "statistics"),
+        **section(
+            "seed",
+            "planner",
+            "space",
+            "metric",
+            "standing",
+            "fit_static",
+            "statistics",
+        ),
         code=code("fit_static.py"),
     script:
         "../scripts/fit_static.py"

@@ -8,6 +8,7 @@ from walklab.evaluation.ablations import ablated_models, ablation_table
 from walklab.evaluation.trials import simulate_trials
 from walklab.randomness import generator
 from walklab.steering.io import read_model, read_static_fit
+from walklab.steering.metrics import metric_named
 from walklab.steering.routes import pack
 from walklab.steering.suitability import score_walks
 from walklab.storage import write_table
@@ -24,7 +25,7 @@ if __name__ == "__main__":
         held = middle if params.ablate_parameters["fixed"] == "middle" else dict(zip(static.names, static.optimum, strict=True))
 
         def score(cells):
-            return score_walks(inputs.planner, batch, cells, inputs.metric, inputs.time_limit_s)
+            return score_walks(inputs.planner, batch, cells, metric_named(inputs.metric, inputs.standing), inputs.time_limit_s)
 
         models = ablated_models(
             maps.scores, vectors, maps.participants, inputs.space, settings, score, held, inputs.seed, inputs.replicate
