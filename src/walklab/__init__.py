@@ -12,7 +12,7 @@ _HOMES = {
     "AdaptiveModel": "walklab.steering.models",
     "Body": "walklab.geometry.scene",
     "InputError": "walklab.errors",
-    "OutsideTrainingRange": "walklab.steering.probabilistic",
+    "OutsideTrainingRange": "walklab.steering.domain",
     "ProbabilisticModel": "walklab.steering.probabilistic",
     "Scene": "walklab.geometry.scene",
     "State": "walklab.geometry.scene",

@@ -9,7 +9,7 @@ from walklab.simulation import simulate as simulate
 from walklab.simulation import simulate_draws as simulate_draws
 from walklab.simulation import task_vector as task_vector
 from walklab.simulation import travel_time_quantiles as travel_time_quantiles
+from walklab.steering.domain import OutsideTrainingRange as OutsideTrainingRange
 from walklab.steering.models import AdaptiveModel as AdaptiveModel
 from walklab.steering.models import StaticModel as StaticModel
-from walklab.steering.probabilistic import OutsideTrainingRange as OutsideTrainingRange
 from walklab.steering.probabilistic import ProbabilisticModel as ProbabilisticModel

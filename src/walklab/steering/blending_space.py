@@ -78,17 +78,16 @@ class BlendingSpace:
             return np.tile(np.arange(len(self)), (len(asked), 1)), np.zeros((len(asked), len(self)))
         return self.tree.nearest(self.scaling.apply(asked), k)
 
-    def checked(self, vectors: ArrayLike) -> Array:
-        """(W, D) dependency vectors as numbers.
-
-        Raises
-        ------
-        InputError
-            If a vector has not D finite values.
-        """
+    def shaped(self, vectors: ArrayLike) -> Array:
+        """(W, D) dependency vectors; InputError if they have another number of values."""
         asked = np.array(vectors, dtype=float, ndmin=2, order="C")
         if asked.ndim != 2 or asked.shape[1] != len(self.names):
             raise InputError(f"dependency vectors have {asked.shape[-1]} values; needed are {', '.join(self.names) or 'none'}")
+        return asked
+
+    def checked(self, vectors: ArrayLike) -> Array:
+        """The same, and InputError if a value is not finite."""
+        asked = self.shaped(vectors)
         if not np.isfinite(asked).all():
             row, column = np.argwhere(~np.isfinite(asked))[0]
             raise InputError(f"dependency vectors: row {row}, {self.names[column]} is {asked[row, column]}; give a finite number")

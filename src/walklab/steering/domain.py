@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +14,10 @@ from walklab.steering.scaling import Scaling
 Array = NDArray[np.float64]
 
 TOLERANCE = 1e-6  # scaled units; far below the spread of any dependency, far above rounding
+
+
+class OutsideTrainingRange(UserWarning):
+    """A dependency vector lies outside of the walks that the model was trained on."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +42,10 @@ class DomainOfValidity:
 
     def inside(self, vectors: ArrayLike) -> NDArray[np.bool_]:
         """Whether each of the (W, D) dependency vectors lies in the hull, (W,) array."""
-        asked = np.array(vectors, dtype=float, ndmin=2, order="C")
+        return self.contains(np.array(vectors, dtype=float, ndmin=2, order="C"))
+
+    def contains(self, asked: Array) -> NDArray[np.bool_]:
+        """The same for a (W, D) array of numbers as it is; False where one is not a number."""
         return _inside(asked, self.scaling.offset, self.scaling.scale, self.centre, self.basis, self.equations)
 
 
@@ -92,3 +100,12 @@ def _hull_equations(reduced: Array) -> Array:
         hull = ConvexHull(reduced, qhull_options="QJ")
     # Neighbouring triangles of one facet repeat its equation; sorted, since Qhull's order is not meaningful.
     return np.unique(hull.equations.round(12), axis=0)
+
+
+def outside_message(names: Sequence[str], units: Sequence[str], captured: Array, asked: Array, inside: NDArray[np.bool_]) -> str:
+    """One line on the first of (W, D) asked vectors that is not inside, beside the range of the (N, D) captured ones."""
+    first = asked[np.argmin(inside)]
+    ranges = zip(names, units, first, captured.min(axis=0), captured.max(axis=0), strict=True)
+    told = ", ".join(f"{name} {value:.4g} {unit} (trained {low:.4g} to {high:.4g})" for name, unit, value, low, high in ranges)
+    which = f"{(~inside).sum()} of {len(asked)} walks are" if len(asked) > 1 else "this walk is"
+    return f"{which} unlike those the model was trained on: {told}"

@@ -9,7 +9,8 @@ from typing import Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from walklab.steering.probabilistic import ProbabilisticModel, probabilistic_model
+from walklab.steering.building import probabilistic_model
+from walklab.steering.probabilistic import ProbabilisticModel
 
 __all__ = ["AdaptiveModel", "MotionModel", "ProbabilisticModel", "StaticModel", "probabilistic_model"]
 

@@ -17,8 +17,8 @@ from walklab.steering import sampling
 from walklab.steering.blending import WEIGHTINGS, blend, blend_up
 from walklab.steering.blending_space import BlendingSpace
 from walklab.steering.bounds import block_bounds, rungs_above
-from walklab.steering.domain import DomainOfValidity, fit_domain
-from walklab.steering.interpolation import GridInterpolant, Interpolant
+from walklab.steering.domain import DomainOfValidity, OutsideTrainingRange, outside_message
+from walklab.steering.interpolation import Interpolant
 from walklab.steering.marginals import Marginal, marginal
 from walklab.steering.modes import modes
 from walklab.steering.multilinear import MultilinearInterpolant
@@ -29,14 +29,6 @@ from walklab.steering.weighting import Weighting
 
 Array = NDArray[np.float64]
 Generators = Sequence[np.random.Generator]
-
-# Coefficients are kept in single precision where that moves no map by more than this at any node: it halves what has to
-# be read from memory for a sample, which is most of its cost.
-SINGLE_PRECISION_ERROR = 1e-5
-
-
-class OutsideTrainingRange(UserWarning):
-    """A dependency vector lies outside of the walks that the model was trained on."""
 
 
 @dataclass(frozen=True)
@@ -220,24 +212,20 @@ class ProbabilisticModel:
             vector = self.vector(**dependencies)
         elif dependencies:
             raise InputError("give the dependencies as one vector or by their names, not both")
-        source = np.random.default_rng() if rng is None else rng
-        asked = self.blending.checked(vector)
+        asked = self._asked(vector)
         if len(asked) != 1:
             raise InputError(f"sample draws for one dependency vector, {len(asked)} were given; see sample_batch")
-        self._warn(asked)
-        return self._draw(asked, source.random(1), size)[0]
+        return self._draw(asked, (rng or np.random.default_rng()).random(1), size)[0]
 
     def sample_batch(self, vectors: ArrayLike, size: int = 1, rng: np.random.Generator | Generators | None = None) -> Array:
         """Draw (W, size, P) parameter vectors for (W, D) dependency vectors at once.
 
         With one generator per walk, walk i draws from the i-th only, and as :meth:`sample` would. Warns like it, once.
         """
-        asked = self.blending.checked(vectors)
-        self._warn(asked)
+        asked = self._asked(vectors)
         if isinstance(rng, Sequence):
             return self._draw(asked, self._seeds(rng, len(asked)), size)
-        source = np.random.default_rng() if rng is None else rng
-        return self._draw(asked, source.random(len(asked)), size)
+        return self._draw(asked, (rng or np.random.default_rng()).random(len(asked)), size)
 
     def parameters(self, vectors: ArrayLike, generators: Generators | None = None) -> Array:
         """One draw per walk, (W, P); walk i draws from ``generators[i]`` only.
@@ -303,63 +291,13 @@ class ProbabilisticModel:
         """Whether each dependency vector lies in the domain of validity, (W,)."""
         return self.domain.inside(vectors)
 
-    def _warn(self, asked: Array) -> None:
-        inside = self.domain.inside(asked)
-        if inside.all():
-            return
-        outside = np.flatnonzero(~inside)
-        captured = self.blending.vectors[~self.blending.is_blend]
-        ranges = zip(self.dependencies, self.dependency_units, captured.min(axis=0), captured.max(axis=0), strict=True)
-        values = asked[outside[0]]
-        told = ", ".join(
-            f"{name} {value:.4g} {unit} (trained {low:.4g} to {high:.4g})"
-            for value, (name, unit, low, high) in zip(values, ranges, strict=True)
-        )
-        which = f"{outside.size} of {len(asked)} walks are" if len(asked) > 1 else "this walk is"
-        warnings.warn(f"{which} unlike those the model was trained on: {told}", OutsideTrainingRange, stacklevel=3)
-
-
-def probabilistic_model(
-    blending: BlendingSpace,
-    space: ParameterSpace,
-    interpolant: Interpolant | None = None,
-    *,
-    k: int = 100,
-    weights: Weighting = "linear",
-    exponent: float = 1.0,
-    fixed: Mapping[str, float] | None = None,
-    provenance: Mapping[str, Any] | None = None,
-) -> ProbabilisticModel:
-    """Solve the interpolant for every map of a blending space, bound the surfaces and fix the domain of validity.
-
-    The domain is the convex hull of the captured vectors; blends may lie a little outside of it.
-
-    Raises
-    ------
-    InputError
-        If the maps do not belong to the space, or a setting is out of range.
-    """
-    basis = GridInterpolant(space.shape) if interpolant is None else interpolant
-    if basis.shape != space.shape:
-        raise InputError(f"the interpolant's grid {basis.shape} is not the parameter space's {space.shape}")
-    coefficients = basis.coefficients(blending.maps)
-    if isinstance(basis, MultilinearInterpolant):
-        rungs, rung = rungs_above(coefficients)
-    else:
-        coefficients = single_precision(basis, coefficients)
-        rungs, rung = rungs_above(block_bounds(basis, coefficients))
-    domain = fit_domain(blending.vectors[~blending.is_blend], blending.scaling)
-    return ProbabilisticModel(
-        blending, space, basis, coefficients, rungs, rung, domain, k, weights, exponent, dict(fixed or {}), dict(provenance or {})
-    )
-
-
-def single_precision(basis: GridInterpolant, coefficients: Array, batch: int = 512) -> NDArray:
-    """Coefficients in single precision if no map moves by more than SINGLE_PRECISION_ERROR at a node, else as they are."""
-    rounded = coefficients.astype(np.float32)
-    at_nodes = basis.basis(basis.nodes)
-    for start in range(0, len(coefficients), batch):
-        rows = slice(start, start + batch)
-        if np.abs((rounded[rows] - coefficients[rows]) @ at_nodes.T).max() > SINGLE_PRECISION_ERROR:
-            return coefficients
-    return rounded
+    def _asked(self, vectors: ArrayLike) -> Array:
+        """(W, D) vectors, checked; warns if some are outside of the domain, as seen by who called the caller."""
+        asked = self.blending.shaped(vectors)
+        inside = self.domain.contains(asked)
+        if not inside.all():  # what is not a number is not inside either
+            self.blending.checked(asked)
+            captured = self.blending.vectors[~self.blending.is_blend]
+            told = outside_message(self.dependencies, self.dependency_units, captured, asked, inside)
+            warnings.warn(told, OutsideTrainingRange, stacklevel=3)
+        return asked

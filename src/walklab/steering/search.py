@@ -183,7 +183,7 @@ def nearest(points: Array, order: Indices, boxes: Array, at: Array, count: int, 
 @njit(cache=True, nogil=True)
 def room(count: int) -> int:
     """Length of the list of candidates for the ``count`` nearest."""
-    return 2 * count + 2 * LEAF
+    return count + count // 2 + 2 * LEAF
 
 
 @njit(cache=True, nogil=True)
