@@ -31,7 +31,7 @@ own: .venv/ready
 	$(SNAKEMAKE) --configfile config/own.yaml --report results/own/report.html
 
 test: .venv/ready
-	$(BIN)/python -m pytest tests/unit -n 2 --dist loadfile
+	$(BIN)/python -m pytest tests/unit tests/examples -n 2 --dist loadfile
 	$(BIN)/python -m pytest tests/workflow
 
 bench: .venv/ready
