@@ -33,6 +33,9 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
         # mkstemp creates files only their owner can read; results are meant to be shared.
         temporary.chmod(0o666 & ~_umask())
         temporary.replace(target)
+        # A killed writer cannot tidy up behind itself; the next one to write the same file does.
+        for leftover in target.parent.glob(f".{target.stem}.????????{target.suffix}"):
+            leftover.unlink(missing_ok=True)
     finally:
         temporary.unlink(missing_ok=True)
 

@@ -23,6 +23,13 @@ def test_a_failed_write_leaves_the_old_file_and_nothing_else(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["table.txt"]
 
 
+def test_what_a_killed_writer_left_is_removed_by_the_next(tmp_path):
+    (tmp_path / ".table.a1b2c3d4.txt").write_text("half")
+    (tmp_path / ".other.a1b2c3d4.txt").write_text("somebody else's")
+    storage.write_text("whole", tmp_path / "table.txt")
+    assert sorted(path.name for path in tmp_path.iterdir()) == [".other.a1b2c3d4.txt", "table.txt"]
+
+
 @pytest.mark.parametrize("name", ["table.parquet", "table.csv"])
 def test_a_table_survives_the_round_trip(tmp_path, name):
     frame = pd.DataFrame({"walk": ["a", "b"], "length_m": [0.5, 1.25]})
