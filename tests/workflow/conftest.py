@@ -30,16 +30,21 @@ MEASURED = ("benchmark.tsv", "log.txt", "timings.csv", "run.json")
 
 @dataclass(frozen=True)
 class Project:
-    """A copy of the project in a folder of its own."""
+    """A copy of the project in a folder of its own.
+
+    Jobs import the checkout's own modules, whose kernels are compiled once for all tests (numba's cache goes by the path
+    of the source); a dry run reads the copy's, which a test may have edited.
+    """
 
     folder: Path
 
     def start(self, *arguments: str) -> subprocess.Popen[str]:
         command = [sys.executable, "-m", "snakemake", *arguments]
+        sources = self.folder if "--dry-run" in arguments else ROOT
         return subprocess.Popen(
             command,
             cwd=self.folder,
-            env=self.environment(),
+            env={**os.environ, "PYTHONPATH": str(sources / "src"), "NUMBA_CACHE_DIR": str(ROOT / ".snakemake/numba")},
             text=True,
             stdout=subprocess.PIPE,
             stderr=subprocess.STDOUT,
@@ -52,10 +57,6 @@ class Project:
         output, _ = process.communicate(timeout=600)
         assert (process.returncode != 0) == fails, output[-6000:]
         return output
-
-    def environment(self) -> dict[str, str]:
-        # The copy's own source comes before the installed one.
-        return {**os.environ, "PYTHONPATH": str(self.folder / "src")}
 
     def checksums(self, run: str = "tiny", skip: tuple[str, ...] = ()) -> dict[str, str]:
         """SHA-256 of every data file of a run."""

@@ -20,6 +20,7 @@ from walklab.capture.walks import Walk
 from walklab.errors import InputError
 from walklab.evaluation.baselines import climatology, regression, task_speeds
 from walklab.evaluation.bootstrap import DECIMALS, RESAMPLES
+from walklab.evaluation.folds import by_participant
 from walklab.evaluation.subject_scores import OWN_MAP, forecast_scores, subject_scores, summarise
 from walklab.geometry import curves
 from walklab.geometry.scene import Task
@@ -138,11 +139,7 @@ def leave_one_subject_out(
     InputError
         If there are fewer than three participants, or k exceeds the entries of a blending space.
     """
-    participants = list(dict.fromkeys(study.participants.tolist()))
-    if len(participants) < 3:
-        raise InputError(
-            f"cross-validation: {len(participants)} participants are too few to leave one out; at least 3 are needed"
-        )
+    participants = by_participant(study.participants, least=3)
     parts = [leave_out(participant, study, settings, options, seed, replicate) for participant in participants]
     predictions = pd.concat(parts, ignore_index=True)
     scores = subject_scores(predictions)
@@ -162,8 +159,7 @@ def leave_out(
     members, the columns of :func:`walklab.evaluation.subject_scores.forecast_scores`, arrived_share (of the
     simulated members), inside_hull
     """
-    left = study.participants == participant
-    asked, known = np.flatnonzero(left), np.flatnonzero(~left)
+    known, asked = by_participant(study.participants)[participant]
     model = _train(study, known, study.vectors, settings, seed, replicate, participant)
     inside = model.inside(study.vectors.to_numpy(dtype=float)[asked])
     frames = []

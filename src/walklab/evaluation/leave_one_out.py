@@ -14,6 +14,7 @@ from scipy.sparse import csr_array
 
 from walklab.errors import InputError
 from walklab.evaluation.bootstrap import RESAMPLES, Array, Integers, cluster_codes, cluster_counts, interval, resampled_sums
+from walklab.evaluation.folds import by_participant
 from walklab.randomness import generator
 from walklab.steering.blending_space import BlendingSpace
 from walklab.steering.interpolation import GridInterpolant
@@ -102,14 +103,10 @@ def left_out_participant_errors(
         If there is only one participant.
     """
     owners = np.asarray(participants, dtype=str)
-    names = np.unique(owners)
-    if len(names) < 2:
-        raise InputError("leave-one-out over participants: there is only one participant; record more")
     maps = normalise(scores, settings.normalisation)
     frames = []
-    for name in names:
-        left_out, rest = np.flatnonzero(owners == name), np.flatnonzero(owners != name)
-        rng = generator(seed, replicate, "leave_one_out", str(name))
+    for name, (rest, left_out) in by_participant(owners).items():
+        rng = generator(seed, replicate, "leave_one_out", name)
         space = train_blending_space(scores[rest], vectors.iloc[rest], owners[rest].tolist(), settings, rng)
         asked = vectors.iloc[left_out].to_numpy(dtype=float)
         indices, shares = space.neighbours(asked, min(settings.k, len(space)), settings.weights)

@@ -87,7 +87,7 @@ def test_leaving_a_participant_out_removes_the_leak_that_leaving_a_map_out_has()
     expected = 100 * np.median((1 - one) - (1 - other))
     assert abs(expected) > 10
     np.testing.assert_allclose(errors.loc[errors["participant"] == "P0", "error_percent"], expected, atol=1e-9)
-    with pytest.raises(InputError, match="only one participant"):
+    with pytest.raises(InputError, match="1 participants are too few"):
         left_out_participant_errors(scores, pd.DataFrame({"length": lengths}), ["P0"] * 20, settings, 3, 0)
 
 
