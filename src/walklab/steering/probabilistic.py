@@ -22,13 +22,15 @@ from walklab.steering.interpolation import Interpolant
 from walklab.steering.marginals import Marginal, marginal
 from walklab.steering.modes import modes
 from walklab.steering.multilinear import MultilinearInterpolant
-from walklab.steering.proposals import blocks_of
+from walklab.steering.proposals import Blocks, blocks_of
 from walklab.steering.space import ParameterSpace
 from walklab.steering.uniforms import seeds_from
 from walklab.steering.weighting import Weighting
 
 Array = NDArray[np.float64]
 Generators = Sequence[np.random.Generator]
+
+SHARPEST = 1e6  # exponent; beyond it the rounding of the map decides where the draws go
 
 
 @dataclass(frozen=True)
@@ -74,8 +76,10 @@ class ProbabilisticModel:
             raise InputError(f"model.k = {self.k}: must lie between 1 and the blending space's {len(self.blending)} entries")
         if self.weights not in WEIGHTINGS:
             raise InputError(f"model.weights: there is no {self.weights!r}; choose from {', '.join(WEIGHTINGS)}")
-        if not self.exponent > 0:
-            raise InputError(f"model.exponent = {self.exponent}: must be positive")
+        if not 0 < self.exponent <= SHARPEST:
+            raise InputError(
+                f"model.exponent = {self.exponent}: must be above 0 and at most {SHARPEST:g}; the mode is what all draws tend to"
+            )
         for name, value in self.fixed.items():
             if name not in self.space.names:
                 raise InputError(f"model.fixed: there is no parameter {name!r}; choose from {', '.join(self.space.names)}")
@@ -246,10 +250,16 @@ class ProbabilisticModel:
 
     def _draw(self, asked: Array, seeds: Array, size: int) -> Array:
         samples = np.empty((len(asked), size, len(self._drawn)))
-        if self._drawn:
-            outcome, walk = self._sampler(asked, seeds, samples)
-            if outcome != sampling.DONE:
-                raise RuntimeError(f"internal error: {sampling.REASONS[outcome]} for dependencies {asked[walk].tolist()}")
+        first = 0 if self._drawn else len(asked)
+        while first < len(asked):
+            outcome, walk = self._sampler(asked[first:], seeds[first:], samples[first:])
+            if outcome == sampling.DONE:
+                break
+            first += walk
+            if outcome != sampling.EXHAUSTED:
+                raise RuntimeError(f"internal error: {sampling.REASONS[outcome]} for dependencies {asked[first].tolist()}")
+            samples[first] = self._draw_sharp(asked[first], seeds[first], size)
+            first += 1
         if not self.fixed:
             return samples
         whole = np.tile(self.box[:, 0], (len(asked), size, 1))
@@ -264,16 +274,34 @@ class ProbabilisticModel:
         return list(range(len(self.names)))
 
     @cached_property
+    def _ground(self) -> tuple[Interpolant, NDArray, tuple[NDArray[np.uint8], float], Blocks]:
+        """Basis, coefficients, their bounds and the blocks to draw from; a slice where the multilinear basis is held."""
+        if not self.fixed or not isinstance(self.interpolant, MultilinearInterpolant):
+            return self.interpolant, self.coefficients, self._bounds, blocks_of(self.space, self.box)
+        basis, maps = self.interpolant.slice(self.coefficients, self._held)
+        space = ParameterSpace(tuple(self.space.axes[axis] for axis in self._drawn))
+        return basis, maps, rungs_above(maps), blocks_of(space, space.bounds)
+
+    @cached_property
     def _sampler(self) -> sampling.Sampler:
         scaling, tree = self.blending.scaling, self.blending.tree
         search = (scaling.offset, scaling.scale, tree.points, tree.order, tree.boxes)
-        parents = (search, self.k, WEIGHTINGS[self.weights])
-        if not self.fixed or not isinstance(self.interpolant, MultilinearInterpolant):
-            blocks = blocks_of(self.space, self.box)
-            return sampling.sampler(self.interpolant, *parents, self.coefficients, *self._bounds, blocks, self.exponent)
-        basis, maps = self.interpolant.slice(self.coefficients, self._held)
-        space = ParameterSpace(tuple(self.space.axes[axis] for axis in self._drawn))
-        return sampling.sampler(basis, *parents, maps, *rungs_above(maps), blocks_of(space, space.bounds), self.exponent)
+        basis, coefficients, bounds, blocks = self._ground
+        return sampling.sampler(basis, search, self.k, WEIGHTINGS[self.weights], coefficients, *bounds, blocks, self.exponent)
+
+    def _draw_sharp(self, vector: Array, seed: float, size: int) -> Array:
+        """The slower way of drawing, for walks whose density the compiled one hardly ever hits."""
+        from walklab.steering.sharp import draw_sharp  # late: it is seldom needed
+
+        basis, coefficients, bounds, blocks = self._ground
+        indices, shares = self.blending.neighbours(vector, self.k, self.weights)
+        surface = blend(coefficients, indices[0], shares[0])
+        tops = None if isinstance(basis, MultilinearInterpolant) else blend_up(*bounds, indices[0], shares[0]).astype(float)
+        rng = np.random.Generator(np.random.PCG64(int(seed * 2**53)))
+        try:
+            return draw_sharp(basis, surface, tops, blocks, self.exponent, size, rng)
+        except RuntimeError as error:
+            raise RuntimeError(f"internal error: {error} for dependencies {vector.tolist()}") from None
 
     def mode(self, vectors: ArrayLike) -> Array:
         """Highest point of the interpolated maps, (W, P); see :meth:`ParameterSpace.on_edge` for edge optima."""

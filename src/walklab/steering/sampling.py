@@ -37,7 +37,7 @@ REASONS = {
     EXHAUSTED: "no sample was accepted in the longest search",
     NOWHERE: "the interpolated map is not positive anywhere",
 }
-LONGEST_SEARCH = 10_000_000  # proposals per sample; a map this hostile is a mistake
+LONGEST_SEARCH = 20_000  # proposals per sample; after that :mod:`walklab.steering.sharp` takes over
 SUSPICIOUS = 10_000  # proposals after which it is worth looking whether the map is positive anywhere
 SLACK = 1e-9  # rounding of sums in different orders
 FEW = 32  # samples of one walk up to which single points are blended instead of whole maps

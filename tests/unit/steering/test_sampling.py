@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from walklab.errors import InputError
 from walklab.steering import sampling
 from walklab.steering.blending_space import blending_space
 from walklab.steering.interpolation import interpolant_named
@@ -215,3 +216,42 @@ def test_picking_follows_the_increments():
     found = np.array([pick(cumulative, u) for u in np.linspace(0, 0.999999, 4001)])
     assert set(found) == {1, 3}
     assert (found == 1).mean() == pytest.approx(0.25, abs=1e-3)
+
+
+@pytest.mark.parametrize("exponent", [300.0, 3000.0, 1e5])
+@pytest.mark.parametrize("basis", BASES)
+def test_very_sharp_densities_are_drawn_as_well(basis, exponent):
+    """Around its maximum such a density is as narrow as a millionth of the box; the moments there are known by quadrature."""
+    model = known(basis, exponent)
+    samples = model.sample(ASKED, 2000, np.random.default_rng(6))
+    mode, bounds = model.mode(ASKED)[0], model.space.bounds
+    reach = 3 * np.abs(samples - mode).max(axis=0)
+    axes = [np.linspace(max(m - r, low), min(m + r, high), 401) for m, r, (low, high) in zip(mode, reach, bounds, strict=True)]
+    points = np.stack(np.meshgrid(*axes, indexing="ij"), -1)
+    surface = model.interpolant.evaluate(model.blended_coefficients(ASKED)[0], model.space.to_unit(points.reshape(-1, 2)))
+    density = np.exp(exponent * np.log(np.maximum(surface, 1e-9) / surface.max())).reshape(401, 401)
+    for axis in range(2):
+        weights = density.sum(axis=1 - axis)
+        # By the trapezium rule: half of what is on the edge.
+        weights[[0, -1]] /= 2
+        cumulative = np.cumsum(weights) - weights / 2
+        assert stats.kstest(samples[:, axis], lambda x: np.interp(x, axes[axis], cumulative / weights.sum())).pvalue > 1e-3  # noqa: B023
+    # The test can tell: the density of another exponent is refused.
+    wider = np.sum(density**0.6, axis=1)
+    cumulative = np.cumsum(wider) / wider.sum()
+    assert stats.kstest(samples[:, 0], lambda x: np.interp(x, axes[0], cumulative)).pvalue < 1e-3
+
+
+@pytest.mark.parametrize("basis", BASES)
+def test_both_ways_of_drawing_have_the_same_density(basis, monkeypatch):
+    model = known(basis, 30.0)
+    monkeypatch.setattr(type(model), "_sampler", lambda *_: (sampling.EXHAUSTED, 0))
+    assert chi_square(model, model.sample(ASKED, 5000, np.random.default_rng(0))) > 0.001
+    slice_ = dataclasses.replace(model, fixed={"v": 0.7})
+    assert np.all(slice_.sample(ASKED, 20, np.random.default_rng(0))[:, 0] == 0.7)
+
+
+def test_an_exponent_beyond_rounding_is_refused():
+    for exponent in (np.inf, np.nan, 0.0, 1e7):
+        with pytest.raises(InputError, match="at most 1e"):
+            known("rbf", exponent)
