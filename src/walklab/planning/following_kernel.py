@@ -175,7 +175,7 @@ def follow_route(
     limits = (parameters[0], parameters[1], parameters[2], parameters[3])
     positions = np.empty((steps + 1, 2))
     state = standing_at_start(route, heading[0], heading[1], start_speed)
-    positions[0] = route[0, :2]
+    positions[0, 0], positions[0, 1] = route[0, 0], route[0, 1]
     for n in range(1, steps + 1):
         state = step(route, state, limits, end_speed, rule)
         positions[n, 0], positions[n, 1] = state[0], state[1]

@@ -306,7 +306,9 @@ def sweep_lanes(
         route = routes[route_offsets[walk] : route_offsets[walk + 1]]
         frames = captured[captured_offsets[walk] : captured_offsets[walk + 1]]
         score_walk(route, frames, end_speeds[0][walk], end_speeds[1][walk], values, groups, rule, scores[walk])
-        scores[walk] *= rule[3] / lengths[walk]
+        per_sum = rule[3] / lengths[walk]
+        for cell in range(len(values)):
+            scores[walk, cell] *= per_sum
 
 
 def group_cells(values: Array) -> Groups:

@@ -68,18 +68,20 @@ def prepare_route(route_m: Array) -> Array:
     one row if the route has no extent
     """
     prepared = np.zeros((len(route_m), 5))
-    prepared[0, :2] = route_m[0]
+    # Number by number: assigning slices makes numba compile the text of an error message, which takes seconds.
+    prepared[0, 0], prepared[0, 1] = route_m[0, 0], route_m[0, 1]
     count = 1
-    for corner in route_m[1:]:
-        dx, dy = corner[0] - prepared[count - 1, 0], corner[1] - prepared[count - 1, 1]
+    for corner in range(1, len(route_m)):
+        x, y = route_m[corner, 0], route_m[corner, 1]
+        dx, dy = x - prepared[count - 1, 0], y - prepared[count - 1, 1]
         length = math.hypot(dx, dy)
         if length > 0.0:
-            prepared[count, :2] = corner
+            prepared[count, 0], prepared[count, 1] = x, y
             prepared[count, 2] = prepared[count - 1, 2] + length
             prepared[count - 1, 3], prepared[count - 1, 4] = dx / length, dy / length
             count += 1
     if count > 1:
-        prepared[count - 1, 3:] = prepared[count - 2, 3:]
+        prepared[count - 1, 3], prepared[count - 1, 4] = prepared[count - 2, 3], prepared[count - 2, 4]
     return prepared[:count].copy()
 
 
@@ -91,5 +93,7 @@ def prepare_routes(routes_m: Array, offsets: Offsets) -> tuple[Array, Offsets]:
     for index in range(len(offsets) - 1):
         route = prepare_route(routes_m[offsets[index] : offsets[index + 1]])
         starts[index + 1] = starts[index] + len(route)
-        prepared[starts[index] : starts[index + 1]] = route
+        for point in range(len(route)):
+            for column in range(5):
+                prepared[starts[index] + point, column] = route[point, column]
     return prepared[: starts[-1]].copy(), starts

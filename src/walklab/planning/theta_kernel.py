@@ -180,7 +180,7 @@ def expand(
             current += 1
             continue
         if spare < found.size or known == sources.shape[0]:
-            progress[:] = current, last, known, unused, spare
+            progress[0], progress[1], progress[2], progress[3], progress[4] = current, last, known, unused, spare
             return False
         node = entries[entry, 0]
         heads[current & (RING - 1)], entries[entry, 1] = entries[entry, 1], unused
@@ -250,13 +250,8 @@ def expand(
             unused, spare = entries[entry, 1], spare - 1
             entries[entry, 0], entries[entry, 1] = other, heads[bucket & (RING - 1)]
             heads[bucket & (RING - 1)] = entry
-    progress[:] = current, last, known, unused, spare
+    progress[0], progress[1], progress[2], progress[3], progress[4] = current, last, known, unused, spare
     return True
-
-
-@njit(cache=True)
-def _clear(grid: Any, p: Array, q: Array) -> bool:
-    return line_of_sight(grid[0], grid[1], p[0], p[1], q[0], q[1])
 
 
 @njit(cache=True)
@@ -265,18 +260,23 @@ def _pull(grid: Any, points: Array, k: int, way: int) -> float:
 
     ``way`` 0 is towards the line between its neighbours, -1 and 1 towards the neighbour before and after.
     """
+    x, y = points[k, 0], points[k, 1]
     if way == 0:
-        chord = points[k + 1] - points[k - 1]
-        along = np.sum((points[k] - points[k - 1]) * chord) / max(np.sum(chord * chord), 1e-12)
-        pull = points[k - 1] + min(max(along, 0.0), 1.0) * chord - points[k]
+        before_x, before_y = points[k - 1, 0], points[k - 1, 1]
+        chord_x, chord_y = points[k + 1, 0] - before_x, points[k + 1, 1] - before_y
+        along = (x - before_x) * chord_x + (y - before_y) * chord_y
+        share = min(max(along / max(chord_x * chord_x + chord_y * chord_y, 1e-12), 0.0), 1.0)
+        pull_x, pull_y = before_x + share * chord_x - x, before_y + share * chord_y - y
     else:
-        pull = 0.5 * (points[k + way] - points[k])
+        pull_x, pull_y = 0.5 * (points[k + way, 0] - x), 0.5 * (points[k + way, 1] - y)
     for _ in range(8):
-        there = points[k] + pull
-        if _clear(grid, points[k - 1], there) and _clear(grid, there, points[k + 1]):
-            points[k] = there
-            return np.sqrt(np.sum(pull * pull))
-        pull = 0.5 * pull
+        there_x, there_y = x + pull_x, y + pull_y
+        if line_of_sight(grid[0], grid[1], points[k - 1, 0], points[k - 1, 1], there_x, there_y) and line_of_sight(
+            grid[0], grid[1], there_x, there_y, points[k + 1, 0], points[k + 1, 1]
+        ):
+            points[k, 0], points[k, 1] = there_x, there_y
+            return np.sqrt(pull_x * pull_x + pull_y * pull_y)
+        pull_x, pull_y = 0.5 * pull_x, 0.5 * pull_y
     return 0.0
 
 
@@ -284,17 +284,20 @@ def _pull(grid: Any, points: Array, k: int, way: int) -> float:
 def _rounded(points: Array) -> Array:
     """A point more on each leg of every bend of more than ``BEND_RAD``, not far from the bend."""
     rounded = np.empty((3 * points.shape[0], 2))
-    rounded[0], count = points[0], 1
+    rounded[0, 0], rounded[0, 1], count = points[0, 0], points[0, 1], 1
     for k in range(1, points.shape[0] - 1):
-        before, after = points[k - 1] - points[k], points[k + 1] - points[k]
-        turn = np.pi - abs(np.arctan2(before[0] * after[1] - before[1] * after[0], np.sum(before * after)))
-        for leg in (before, points[k] - points[k], after):
-            length = np.sqrt(np.sum(leg * leg))
+        x, y = points[k, 0], points[k, 1]
+        before_x, before_y = points[k - 1, 0] - x, points[k - 1, 1] - y
+        after_x, after_y = points[k + 1, 0] - x, points[k + 1, 1] - y
+        turn = np.pi - abs(np.arctan2(before_x * after_y - before_y * after_x, before_x * after_x + before_y * after_y))
+        for leg_x, leg_y in ((before_x, before_y), (0.0, 0.0), (after_x, after_y)):
+            length = np.sqrt(leg_x * leg_x + leg_y * leg_y)
             if length == 0.0:
-                rounded[count], count = points[k], count + 1
+                rounded[count, 0], rounded[count, 1], count = x, y, count + 1
             elif turn > BEND_RAD:
-                rounded[count], count = points[k] + min(BEND_CELLS / length, 1.0 / 3.0) * leg, count + 1
-    rounded[count] = points[-1]
+                share = min(BEND_CELLS / length, 1.0 / 3.0)
+                rounded[count, 0], rounded[count, 1], count = x + share * leg_x, y + share * leg_y, count + 1
+    rounded[count, 0], rounded[count, 1] = points[-1, 0], points[-1, 1]
     return rounded[: count + 1]
 
 
@@ -327,10 +330,11 @@ def _without_needless(grid: Any, points: Array) -> Array:
     keep = np.ones(points.shape[0], dtype=np.bool_)
     before = 0
     for k in range(1, points.shape[0] - 1):
-        chord = points[k + 1] - points[before]
-        offset = points[k] - points[before]
-        across = abs(chord[0] * offset[1] - chord[1] * offset[0])
-        if across <= 1e-3 * np.sqrt(np.sum(chord * chord)) and _clear(grid, points[before], points[k + 1]):
+        x, y, next_x, next_y = points[before, 0], points[before, 1], points[k + 1, 0], points[k + 1, 1]
+        chord_x, chord_y = next_x - x, next_y - y
+        across = abs(chord_x * (points[k, 1] - y) - chord_y * (points[k, 0] - x))
+        straight = across <= 1e-3 * np.sqrt(chord_x * chord_x + chord_y * chord_y)
+        if straight and line_of_sight(grid[0], grid[1], x, y, next_x, next_y):
             keep[k] = False
         else:
             before = k

@@ -34,7 +34,10 @@ def parents_of(
         return np.arange(entries), np.full(entries, 1.0 / entries)
     count = min(k + 1, entries) if how == LINEAR else k
     indices, gaps = np.empty(room(count), np.int64), np.empty(room(count))
-    nearest(points, order, boxes, (vector - offset) / scale, count, indices, gaps)
+    scaled = np.empty(len(vector))
+    for axis in range(len(vector)):
+        scaled[axis] = (vector[axis] - offset[axis]) / scale[axis]
+    nearest(points, order, boxes, scaled, count, indices, gaps)
     for j in range(count):
         gaps[j] = np.sqrt(gaps[j])
     shares = np.ones(k)
@@ -45,11 +48,11 @@ def parents_of(
     elif how == INVERSE:
         for j in range(k):
             shares[j] = 1.0 / max(gaps[j], 1e-12)
-    total = shares.sum()
-    if total > 0.0:
-        shares /= total
-    else:
-        shares[:] = 1.0 / k
+    total = 0.0
+    for j in range(k):
+        total += shares[j]
+    for j in range(k):
+        shares[j] = shares[j] / total if total > 0.0 else 1.0 / k
     return indices[:k], shares
 
 

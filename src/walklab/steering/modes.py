@@ -64,20 +64,22 @@ def _climb_all(
     cells = 1
     for n in shape:
         cells *= n
-    s = np.empty(cells)
+    s, at = np.empty(cells), np.empty(len(shape))
     best = np.empty((len(c), len(shape)))
     heights = np.full(len(c), -np.inf)
     for row in range(len(c)):
         for start in _peaks(surface[row], extent):
             if start < 0:
                 break
-            at = points[start].copy()
+            for axis in range(len(shape)):
+                at[axis] = points[start, axis]
             height = _climb(c[row], at, lower, upper, shape, kind, epsilon, degree, s)
             if height > heights[row] + TIE:
                 heights[row] = height
-                best[row] = at
-            elif height > heights[row] - TIE and _comes_first(at, best[row]):
-                best[row] = at
+            elif not (height > heights[row] - TIE and _comes_first(at, best[row])):
+                continue
+            for axis in range(len(shape)):
+                best[row, axis] = at[axis]
     return best, heights
 
 
@@ -136,7 +138,9 @@ def _climb(
         if len(free) == 0 or np.abs(gradient[free]).max() < 1e-10:
             break
         step = np.zeros(axes)
-        step[free] = _ascent(gradient[free], hessian, free)
+        ascent = _ascent(gradient[free], hessian, free)
+        for i in range(len(free)):
+            step[free[i]] = ascent[i]
         moved = False
         scale = 1.0
         for _ in range(30):
@@ -144,7 +148,8 @@ def _climb(
             reached = kernels.value(c, trial, shape, kind, epsilon, degree, s)
             if reached > height:
                 moved = np.abs(trial - at).max() > 1e-9
-                at[:] = trial
+                for axis in range(axes):
+                    at[axis] = trial[axis]
                 height = reached
                 break
             scale *= 0.5
@@ -165,7 +170,7 @@ def _ascent(gradient: Array, hessian: Array, free: Shape) -> Array:
     if smallest < floor:
         for a in range(len(free)):
             bent[a, a] += floor - smallest
-    step: Array = np.linalg.solve(bent, gradient).astype(np.float64)
+    step: Array = np.linalg.solve(bent, gradient.reshape(-1, 1))[:, 0].copy()  # a matrix: one vector takes longer to compile
     longest = np.abs(step).max()
     if longest > 1.0:
         step /= longest

@@ -125,7 +125,8 @@ def draw_radial(
                 tries += 1
                 if tries == LONGEST_SEARCH:
                     return EXHAUSTED, walk
-            samples[walk, row] = proposal
+            for axis in range(len(proposal)):
+                samples[walk, row, axis] = proposal[axis]
     return DONE, 0
 
 
@@ -171,7 +172,8 @@ def draw_mixture(
                     return NOWHERE, walk
                 if tries == LONGEST_SEARCH:
                     return EXHAUSTED, walk
-            samples[walk, row] = proposal
+            for axis in range(len(proposal)):
+                samples[walk, row, axis] = proposal[axis]
     return DONE, 0
 
 
@@ -236,7 +238,8 @@ def draw_multilinear(
                 tries += 1
                 if tries == LONGEST_SEARCH:
                     return EXHAUSTED, walk
-            samples[walk, row] = proposal
+            for axis in range(len(proposal)):
+                samples[walk, row, axis] = proposal[axis]
     return DONE, 0
 
 

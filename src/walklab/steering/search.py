@@ -43,11 +43,13 @@ class SearchTree:
         indices = np.empty((len(asked), count), dtype=np.int64)
         squares = np.empty((len(asked), count))
         _nearest_of_all(self.points, self.order, self.boxes, np.ascontiguousarray(asked, dtype=float), indices, squares)
-        # Stable in the index first, then by distance.
-        first = np.argsort(indices, axis=1)
-        indices, squares = np.take_along_axis(indices, first, 1), np.take_along_axis(squares, first, 1)
-        then = np.argsort(squares, axis=1, kind="stable")
-        return np.take_along_axis(indices, then, 1), np.sqrt(np.take_along_axis(squares, then, 1))
+        order = np.argsort(squares, axis=1)
+        indices, squares = np.take_along_axis(indices, order, 1), np.take_along_axis(squares, order, 1)
+        tied = np.any(np.diff(squares, axis=1) == 0, axis=1)
+        if tied.any():
+            order = np.lexsort((indices[tied], squares[tied]))
+            indices[tied] = np.take_along_axis(indices[tied], order, 1)
+        return indices, np.sqrt(squares)
 
 
 def search_tree(points: Array) -> SearchTree:
