@@ -96,7 +96,6 @@ rule fit_static:
         stage("fit_static", "log.txt"),
     benchmark:
         stage("fit_static", "benchmark.tsv")
-    threads: workflow.cores
     params:
         **section(
             "seed",

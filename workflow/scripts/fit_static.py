@@ -29,10 +29,11 @@ if __name__ == "__main__":
             metric=metric_named(params.metric, Standing(**params.standing)),
             starts=params.fit_static["starts"],
             maxfun=params.fit_static["evaluations"],
+            checks=params.fit_static["checks"],
             time_limit_s=params.planner["time_limit_s"],
         )
         write_static_fit(fit, snakemake.output.static)
         rng = generator(*names, "bootstrap")
         resamples = params.statistics["bootstraps"]
-        table = optimum_table(fit.optimum, fit.on_edge, maps.scores, maps.participants, space, rng, resamples)
+        table = optimum_table(fit.optimum, fit.on_edge, fit.spread, maps.scores, maps.participants, space, rng, resamples)
         write_table(table, snakemake.output.optimum)

@@ -122,17 +122,18 @@ def read_walks(walks_path: str | Path, samples_path: str | Path) -> list[Walk]:
     """
     walks = read_walk_table(walks_path)
     samples = check(read_table(samples_path), SAMPLES, samples_path)
-    groups = dict(iter(samples.groupby("walk", sort=False)))
+    rows = samples.groupby("walk", sort=False).indices
+    times_s, positions_m = samples["time_s"].to_numpy(), samples[["x_m", "y_m"]].to_numpy()
     result = []
     for _, row in walks.iterrows():
-        group = groups.get(row["walk"])
-        if group is None or len(group) < 2:
+        own = rows.get(row["walk"], [])
+        if len(own) < 2:
             raise InputError(f"{samples_path}: walk {row['walk']} has fewer than two samples; extract the walks again")
-        time_s = group["time_s"].to_numpy()
+        time_s = times_s[own]
         if np.any(np.diff(time_s) <= 0):
             at = int(np.flatnonzero(np.diff(time_s) <= 0)[0]) + 1
             raise InputError(
                 f"{samples_path}: column time_s, walk {row['walk']}, sample {at}: times must ascend; sort the samples"
             )
-        result.append(Walk(row, time_s, group[["x_m", "y_m"]].to_numpy()))
+        result.append(Walk(row, time_s, np.ascontiguousarray(positions_m[own])))
     return result

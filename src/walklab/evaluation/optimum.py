@@ -19,6 +19,7 @@ MOST_RESAMPLES = 1000  # each is a search of its own
 def optimum_table(
     optimum: Sequence[float],
     on_edge: Sequence[str],
+    spread: Sequence[float],
     scores: Array,
     participants: Sequence[str],
     space: ParameterSpace,
@@ -37,13 +38,14 @@ def optimum_table(
     ----------
     optimum : (P,) found by annealing
     on_edge : names of the parameters whose optimum lies on the border of the space
+    spread : (P,) how far apart the optima of all runs lie
     scores : (W, C) of the training walks, smaller is better
     participants : (W,) who walked
     resamples : of the participants; no more than 1000 are made
 
     Returns
     -------
-    DataFrame[parameter, unit, value, low, high, interpolated, on_edge]
+    DataFrame[parameter, unit, value, low, high, interpolated, spread, on_edge]
     """
     if scores.shape != (len(participants), len(space.cells)):
         raise InputError(f"optimum: scores {scores.shape} do not fit {len(participants)} walks and {len(space.cells)} cells")
@@ -69,6 +71,7 @@ def optimum_table(
             "low": low,
             "high": high,
             "interpolated": np.round(parameters[0], DECIMALS),
+            "spread": np.asarray(spread, dtype=float),
             "on_edge": [name in on_edge for name in space.names],
         }
     )

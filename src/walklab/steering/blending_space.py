@@ -188,7 +188,9 @@ def homogenise(
     parents, shares, blended = _candidates(
         original, candidates_per_entry * missing, min(neighbours, len(original)), subset, delta, np.asarray(floor), rng
     )
-    chosen = _farthest_first(scale.apply(original.vectors), np.ascontiguousarray(scale.apply(blended).T), missing)
+    # Walks that are alike in all dependencies are one place.
+    places = np.unique(scale.apply(original.vectors), axis=0)
+    chosen = _farthest_first(places, np.ascontiguousarray(scale.apply(blended).T), missing)
     return _extend(original, parents[chosen], shares[chosen], blended[chosen])
 
 

@@ -65,7 +65,7 @@ def block_bounds(
     bounds = np.empty((len(coefficients), int(blocks.prod())), dtype=np.float32)
     for start in range(0, len(coefficients), BATCH):
         surface = np.ascontiguousarray((basis @ coefficients[start : start + BATCH].astype(float).T).T)
-        found = _block_maxima(surface, extent, blocks, REFINEMENT, SAFETY / 8)
+        found = _block_maxima(surface, extent, REFINEMENT, SAFETY / 8)
         bounds[start : start + BATCH] = np.nextafter(found.astype(np.float32), np.float32(np.inf))
     return bounds
 
@@ -130,52 +130,60 @@ def _strides(extent: Shape) -> Shape:
 
 
 @njit(cache=True, nogil=True)
-def _block_maxima(surface: Array, extent: Shape, blocks: Shape, refinement: int, margin: float) -> Array:
+def _block_maxima(surface: Array, extent: Shape, refinement: int, margin: float) -> Array:
     axes = len(extent)
     stride = _strides(extent)
-    total = 1
-    corners = 1
-    for axis in range(axes):
-        total *= blocks[axis]
-        corners *= refinement + 1
-    origins = np.zeros(total, np.int64)  # flat lattice index of each block's lowest corner
-    for block in range(total):
-        rest = block
-        for axis in range(axes - 1, -1, -1):
-            origins[block] += (rest % blocks[axis]) * refinement * stride[axis]
-            rest //= blocks[axis]
-    offsets = np.zeros(corners, np.int64)
-    for corner in range(corners):
-        rest = corner
-        for axis in range(axes - 1, -1, -1):
-            offsets[corner] += (rest % (refinement + 1)) * stride[axis]
-            rest //= refinement + 1
-    result = np.empty((len(surface), total))
     bend = np.empty((axes, surface.shape[1]))
+    highest = _window_maxima(surface[0], extent, refinement)
+    result = np.empty((len(surface), len(highest)))
     for row in range(len(surface)):
+        highest = _window_maxima(surface[row], extent, refinement)
         _second_differences(surface[row], extent, stride, bend)
-        for block in range(total):
-            highest = -np.inf
-            for corner in range(corners):
-                highest = max(highest, surface[row, origins[block] + offsets[corner]])
-            for axis in range(axes):
-                sharpest = 0.0
-                for corner in range(corners):
-                    sharpest = max(sharpest, bend[axis, origins[block] + offsets[corner]])
-                highest += margin * sharpest
-            result[row, block] = highest
+        for axis in range(axes):
+            sharpest = _window_maxima(bend[axis], extent, refinement)
+            for block in range(len(highest)):
+                highest[block] += margin * sharpest[block]
+        for block in range(len(highest)):
+            result[row, block] = highest[block]
     return result
+
+
+@njit(cache=True, nogil=True)
+def _window_maxima(values: Array, extent: Shape, refinement: int) -> Array:
+    """Highest of the lattice points of each block, (B,), along one axis after the other."""
+    reduced = values
+    inner, outer = len(values), 1
+    for n in extent:
+        inner //= n
+        blocks = (n - 1) // refinement
+        before, reduced = reduced, np.empty(outer * blocks * inner)
+        for o in range(outer):
+            for b in range(blocks):
+                into = reduced[(o * blocks + b) * inner : (o * blocks + b + 1) * inner]
+                first = (o * n + b * refinement) * inner
+                own = before[first : first + inner]
+                for i in range(inner):
+                    into[i] = own[i]
+                for point in range(1, refinement + 1):
+                    own = before[first + point * inner : first + (point + 1) * inner]
+                    for i in range(inner):
+                        into[i] = own[i] if own[i] > into[i] else into[i]
+        outer *= blocks
+    return reduced
 
 
 @njit(cache=True, nogil=True)
 def _second_differences(surface: Array, extent: Shape, stride: Shape, bend: Array) -> None:
     """Fill ``bend`` (P, L) with |f(x - h) - 2 f(x) + f(x + h)|; at a border, with its inner neighbour's."""
     for axis in range(len(extent)):
-        if extent[axis] == 1:
-            bend[axis] = 0.0
+        n, step, own = extent[axis], stride[axis], bend[axis]
+        if n == 1:
+            own[:] = 0.0
             continue
-        step = stride[axis]
-        for i in range(len(surface)):
-            place = (i // step) % extent[axis]
-            inner = i + step * (min(max(place, 1), extent[axis] - 2) - place)
-            bend[axis, i] = abs(surface[inner - step] - 2.0 * surface[inner] + surface[inner + step])
+        for line in range(0, len(surface), n * step):
+            for place in range(n):
+                at = line + min(max(place, 1), n - 2) * step
+                before, here, after = surface[at - step : at], surface[at : at + step], surface[at + step : at + 2 * step]
+                into = own[line + place * step : line + (place + 1) * step]
+                for i in range(step):
+                    into[i] = abs(before[i] - 2.0 * here[i] + after[i])

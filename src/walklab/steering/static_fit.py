@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import dual_annealing
+from scipy.optimize import OptimizeResult, differential_evolution, dual_annealing
 
 from walklab.errors import InputError
 from walklab.planning.protocol import Planner, WalkBatch
@@ -15,6 +16,10 @@ from walklab.steering.space import ParameterSpace
 from walklab.steering.suitability import score_walks
 
 Array = NDArray[np.float64]
+
+POPULATION = 16  # vectors per parameter of differential evolution; scored side by side, they cost far less than one by one
+GENERATIONS = 60
+TOLERANCE = 1e-6  # spread of a population's scores, relative, at which it has converged
 
 
 @dataclass(frozen=True)
@@ -28,6 +33,8 @@ class StaticFit:
     grid_optimum, grid_value : best cell of the grid and its mean score
     on_edge : parameters whose optimum lies on the border of the box
     start_values : best score of every annealing run
+    check_values : best score of every run of differential evolution, which cross-checks the annealing
+    spread : per parameter, how far apart the optima of all runs of both kinds lie
     evaluations : number of parameter vectors that were scored
     """
 
@@ -38,6 +45,8 @@ class StaticFit:
     grid_value: float
     on_edge: tuple[str, ...]
     start_values: tuple[float, ...]
+    check_values: tuple[float, ...]
+    spread: tuple[float, ...]
     evaluations: int
 
 
@@ -52,6 +61,7 @@ def fit_static(
     weights: ArrayLike | None = None,
     starts: int = 1,
     maxfun: int = 1000,
+    checks: int = 0,
     time_limit_s: float = 60.0,
 ) -> StaticFit:
     """Minimise the mean score of all walks over the continuous box by simulated annealing.
@@ -64,7 +74,8 @@ def fit_static(
     scores : (W, C) raw scores of the grid, if they are known already; else they are computed
     weights : (W,) weight of each walk in the mean; default all the same
     starts : independent annealing runs, the best of which counts
-    maxfun : parameter vectors scored per run
+    maxfun : parameter vectors scored per annealing run
+    checks : independent runs of differential evolution (Storn & Price 1997) beside them; they are reported and change nothing
 
     Raises
     ------
@@ -73,18 +84,22 @@ def fit_static(
     """
     if tuple(planner.parameters) != space.names:
         raise InputError(f"space: axes {', '.join(space.names)} are not the planner's parameters {', '.join(planner.parameters)}")
-    if starts < 1 or maxfun < 1:
-        raise InputError(f"static fit: starts ({starts}) and maxfun ({maxfun}) must be at least 1")
+    if starts < 1 or maxfun < 1 or checks < 0:
+        raise InputError(f"static fit: starts ({starts}) and maxfun ({maxfun}) must be at least 1, checks ({checks}) at least 0")
     shares = np.ones(len(batch)) if weights is None else np.asarray(weights, dtype=float)
     shares = shares / shares.sum()
     grid = score_walks(planner, batch, space.cells, metric, time_limit_s) if scores is None else np.asarray(scores, dtype=float)
     if grid.shape != (len(batch), len(space.cells)):
         raise InputError(f"static fit: scores {grid.shape} do not fit {len(batch)} walks and {len(space.cells)} cells")
 
+    def mean_scores(parameters: Array) -> Array:
+        return np.asarray(shares @ score_walks(planner, batch, np.ascontiguousarray(parameters.T), metric, time_limit_s))
+
     def mean_score(parameters: Array) -> float:
-        return float(shares @ score_walks(planner, batch, parameters[None, :], metric, time_limit_s)[:, 0])
+        return float(mean_scores(parameters[:, None])[0])
 
     runs = [dual_annealing(mean_score, space.bounds, maxfun=maxfun, rng=child) for child in rng.spawn(starts)]
+    checked = [_evolved(mean_scores, space, child) for child in rng.spawn(checks)]
     best = min(runs, key=lambda run: run.fun)
     mean_map = shares @ grid
     cell = int(np.argmin(mean_map))
@@ -97,5 +112,22 @@ def fit_static(
         float(mean_map[cell]),
         tuple(name for name, edge in zip(space.names, edges, strict=True) if edge),
         tuple(float(run.fun) for run in runs),
-        int(sum(run.nfev for run in runs)),
+        # Scored as the annealing scores: a population is scored in single precision.
+        tuple(mean_score(run.x) for run in checked),
+        tuple(float(x) for x in np.ptp([run.x for run in (*runs, *checked)], axis=0)),
+        int(sum(run.nfev for run in runs) + sum(run.nfev * POPULATION * len(space.names) for run in checked)),
+    )
+
+
+def _evolved(mean_scores: Callable[[Array], Array], space: ParameterSpace, rng: np.random.Generator) -> OptimizeResult:
+    return differential_evolution(
+        mean_scores,
+        space.bounds,
+        popsize=POPULATION,
+        maxiter=GENERATIONS,
+        tol=TOLERANCE,
+        polish=False,
+        updating="deferred",
+        vectorized=True,
+        rng=rng,
     )

@@ -85,14 +85,16 @@ def test_optimum_interval_is_as_wide_as_people_disagree() -> None:
     def scores(targets: np.ndarray) -> np.ndarray:
         return ((SPACE.cells[None] - targets[:, None]) ** 2).sum(axis=-1)
 
-    agreed = optimum_table(best, [], scores(np.tile(best, (48, 1))), people.tolist(), SPACE, np.random.default_rng(0), 300)
+    agreed = optimum_table(
+        best, [], [0.0] * 2, scores(np.tile(best, (48, 1))), people.tolist(), SPACE, np.random.default_rng(0), 300
+    )
     # All people have one map: every resample has one optimum, and nothing widens the interval to the grid's step.
     np.testing.assert_allclose(agreed["high"] - agreed["low"], 0.0, atol=1e-9)
     np.testing.assert_allclose(agreed["interpolated"], best, atol=0.02)
     np.testing.assert_allclose(agreed["low"], best, atol=1e-8)
     spread = np.tile(best, (48, 1))
     spread[:, 0] += np.repeat(np.random.default_rng(1).normal(0, 0.5, 12), 4)
-    varied = optimum_table(best, ["v"], scores(spread), people.tolist(), SPACE, np.random.default_rng(0), 300)
+    varied = optimum_table(best, ["v"], [0.0] * 2, scores(spread), people.tolist(), SPACE, np.random.default_rng(0), 300)
     width = (varied["high"] - varied["low"]).to_numpy()
     # The mean of 12 people who differ by 0.5 has an interval of about 4 * 0.5 / sqrt(12), cut by the space; no grid steps.
     assert width[0] > 0.35
@@ -100,4 +102,4 @@ def test_optimum_interval_is_as_wide_as_people_disagree() -> None:
     assert varied["on_edge"].tolist() == [True, False]
     assert ((varied["low"] <= best + 1e-9) & (best - 1e-9 <= varied["high"])).all()
     with pytest.raises(InputError, match="do not fit"):
-        optimum_table(best, [], np.ones((3, 25)), ["P"] * 4, SPACE, np.random.default_rng(0))
+        optimum_table(best, [], [0.0] * 2, np.ones((3, 25)), ["P"] * 4, SPACE, np.random.default_rng(0))

@@ -58,6 +58,20 @@ def test_same_generator_same_fit_and_the_best_start_counts(point_mass, packer, r
     assert first == second
     assert len(first.start_values) == 3
     assert first.value == min(first.start_values)
+    assert first.check_values == ()
+
+
+def test_differential_evolution_cross_checks_the_annealing(point_mass, packer, routes):
+    batch = packer(point_mass, routes, [(0.9, 1.1), (1.2, 1.4), (1.0, 0.8)])
+    alone, checked = (
+        fit_static(point_mass, batch, SPACE, np.random.default_rng(3), starts=2, maxfun=600, checks=checks) for checks in (0, 2)
+    )
+    assert checked.optimum == alone.optimum  # a check changes nothing
+    assert checked.check_values == pytest.approx([checked.value] * 2, rel=1e-3)
+    assert max(checked.spread) < 0.02
+    poor = fit_static(point_mass, batch, SPACE, np.random.default_rng(3), maxfun=3, checks=1)  # what it is there to tell
+    assert poor.check_values[0] < poor.value * 0.99
+    assert max(poor.spread) > 0.05
 
 
 def test_parameters_that_the_planner_does_not_know_are_refused(point_mass, packer, routes):

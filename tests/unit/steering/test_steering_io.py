@@ -20,7 +20,7 @@ from walklab.steering.io import (
 from walklab.steering.static_fit import StaticFit
 from walklab.storage import read_tensors, write_tensors
 
-FIT = StaticFit(("v", "a"), (0.94, 1.58), 0.3, (0.95, 1.5), 0.31, ("a",), (0.3,), 1000)
+FIT = StaticFit(("v", "a"), (0.94, 1.58), 0.3, (0.95, 1.5), 0.31, ("a",), (0.3,), (0.3,), (0.0, 0.01), 1000)
 
 
 @pytest.fixture(scope="module")
