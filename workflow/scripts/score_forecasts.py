@@ -84,6 +84,7 @@ if __name__ == "__main__":
             scored = walk_scores(asked.captured_s, all_forecasts(known, asked, calibration, volumes), pd.DataFrame(identity))
             rows.append(scored.assign(scenario=scenario))
             curves_found.append(by_exponent(asked, CANDIDATES["exponent"], volumes).assign(scenario=scenario))
+            del asked  # the traces of one scenario are enough to hold
         rows = pd.concat(rows, ignore_index=True)
         rng = generator(params.seed, int(snakemake.wildcards.replicate), "score_forecasts")
         write_table(rows, snakemake.output.predictions)
