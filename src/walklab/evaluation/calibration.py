@@ -144,9 +144,9 @@ def candidate_table(evidence: Evidence, candidates: dict[str, tuple[float, ...]]
     """
     rows = []
     for kind, values in (candidates or CANDIDATES).items():
-        rows += [_scored(evidence, "P_Prob", Sharpness(kind, value)) for value in values]  # type: ignore[arg-type]
+        rows += [scored(evidence, "P_Prob", Sharpness(kind, value)) for value in values]  # type: ignore[arg-type]
     rows += [
-        _scored(evidence, "P_Prob without dependencies", Sharpness("exponent", value))
+        scored(evidence, "P_Prob without dependencies", Sharpness("exponent", value))
         for value in (candidates or CANDIDATES)["exponent"]
     ]
     table = pd.DataFrame(rows)
@@ -154,7 +154,8 @@ def candidate_table(evidence: Evidence, candidates: dict[str, tuple[float, ...]]
     return table.assign(loss=((table["crps_s"] / best["crps_s"] + table["energy_m"] / best["energy_m"]) / 2))
 
 
-def _scored(evidence: Evidence, model: str, sharpness: Sharpness) -> dict[str, object]:
+def scored(evidence: Evidence, model: str, sharpness: Sharpness) -> dict[str, object]:
+    """One row of :func:`candidate_table`, without its loss."""
     maps = evidence.metric if sharpness.kind == "temperature" else evidence.suitability
     density = sharpness.density(evidence.bare if model != "P_Prob" else maps, evidence.volumes)
     travel_s = evidence.traces.travel_s

@@ -42,6 +42,10 @@ class Traces:
     def __len__(self) -> int:
         return len(self.travel_s)
 
+    def rows(self, walks: NDArray[np.int64]) -> Traces:
+        """Those of some of the walks."""
+        return Traces(self.travel_s[walks], self.arrived[walks], self.places_m[walks])
+
 
 def trace_cells(
     planner: Planner,
