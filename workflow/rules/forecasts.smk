@@ -64,3 +64,19 @@ rule score_forecasts:
         code=code("score_forecasts.py"),
     script:
         "../scripts/score_forecasts.py"
+
+
+rule compare_forecasts:
+    input:
+        predictions=rules.score_forecasts.output.predictions,
+    output:
+        tests=stage("compare_forecasts", "tests.csv"),
+    log:
+        stage("compare_forecasts", "log.txt"),
+    benchmark:
+        stage("compare_forecasts", "benchmark.tsv")
+    params:
+        **section("seed", "statistics"),
+        code=code("compare_forecasts.py"),
+    script:
+        "../scripts/compare_forecasts.py"

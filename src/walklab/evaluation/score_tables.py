@@ -66,7 +66,7 @@ def score_table(rows: pd.DataFrame, rng: np.random.Generator, resamples: int = R
     crps_minus_regression_s with its interval, paired by walk
     """
     tables = []
-    for (scenario, hull), part in _parts(rows):
+    for (scenario, hull), part in parts(rows):
         codes, clusters = cluster_codes(part.loc[part["model"] == part["model"].iloc[0], "participant"])
         counts = cluster_counts(clusters, resamples, rng)
         sizes = resampled_sums(np.ones(len(codes)), codes, counts)
@@ -86,7 +86,8 @@ def score_table(rows: pd.DataFrame, rng: np.random.Generator, resamples: int = R
     return pd.DataFrame(tables)
 
 
-def _parts(rows: pd.DataFrame) -> list[tuple[tuple[str, str], pd.DataFrame]]:
+def parts(rows: pd.DataFrame) -> list[tuple[tuple[str, str], pd.DataFrame]]:
+    """(scenario, hull) and its rows: all walks, those inside the training dependencies, and those outside."""
     found = []
     for scenario, group in rows.groupby("scenario", sort=False):
         for hull, inside in HULLS.items():
