@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -154,7 +155,7 @@ def candidate_table(evidence: Evidence, candidates: dict[str, tuple[float, ...]]
     return table.assign(loss=((table["crps_s"] / best["crps_s"] + table["energy_m"] / best["energy_m"]) / 2))
 
 
-def scored(evidence: Evidence, model: str, sharpness: Sharpness) -> dict[str, object]:
+def scored(evidence: Evidence, model: str, sharpness: Sharpness) -> dict[str, Any]:
     """One row of :func:`candidate_table`, without its loss."""
     maps = evidence.metric if sharpness.kind == "temperature" else evidence.suitability
     density = sharpness.density(evidence.bare if model != "P_Prob" else maps, evidence.volumes)
@@ -168,7 +169,8 @@ def scored(evidence: Evidence, model: str, sharpness: Sharpness) -> dict[str, ob
         }
     )
     means = scores.groupby(np.asarray(evidence.participants)).mean().mean()
-    return {"model": model, "kind": sharpness.kind, "value": sharpness.value, **means.to_dict()}
+    row: dict[str, Any] = {"model": model, "kind": sharpness.kind, "value": sharpness.value}
+    return row | {str(name): float(value) for name, value in means.items()}
 
 
 def best_value(table: pd.DataFrame, model: str = "P_Prob", kind: str = "exponent", by: str = "loss") -> float:
@@ -259,13 +261,14 @@ def evidence_of(
     """
     people = [str(walk.row["participant"]) for walk in walks]
     suitability = normalise(scores, normalisation)
-    blends = blend_others(blending, people, asked, vectors[asked], (suitability, scores), k, how)
+    blended, metric = blend_others(blending, people, asked, vectors[asked], (suitability, scores), k, how)
     chosen_walks = [walks[row] for row in asked]
     traces, places = trace_walks(chosen_walks, routes, planner, space, standing, time_limit_s)
     return Evidence(
         [people[row] for row in asked],
         np.array([float(walk.row["duration_s"]) for walk in chosen_walks]),
-        *blends,
+        blended,
+        metric,
         mean_of_others(people, asked, suitability),
         traces,
         captured_distances(traces, places),

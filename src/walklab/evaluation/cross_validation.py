@@ -216,8 +216,8 @@ def _forecasts(
     owners = study.participants[known].tolist()
     traces, distances = study.traced(options.time_limit_s)
     learned = learn(model, settings, owners, times[known], vectors[known], traces.rows(known), distances[known])
-    tables = [{"captured_s": times[i], "vectors": vectors[i], "participants": study.participants[i]} for i in (known, asked)]
-    for name, k, members in nested_forecasts(learned, model, settings.k, *tables, traces.rows(asked), options.draws):
+    walks = [{"captured_s": times[i], "vectors": vectors[i], "participants": study.participants[i]} for i in (known, asked)]
+    for name, k, members in nested_forecasts(learned, model, settings.k, walks[0], walks[1], traces.rows(asked), options.draws):
         yield name, k, members, np.nan
     yield CLIMATOLOGY, 0, climatology(times[known], lengths[known], owners, lengths[asked], options.draws), np.nan
     yield REGRESSION, 0, regression(times[known], vectors[known], vectors[asked], options.draws), np.nan

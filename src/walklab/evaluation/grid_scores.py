@@ -5,8 +5,6 @@ Every cell is simulated once per walk (:mod:`walklab.planning.tracing`); whateve
 
 from __future__ import annotations
 
-from typing import cast
-
 import numpy as np
 from numba import njit
 from numpy.typing import ArrayLike, NDArray

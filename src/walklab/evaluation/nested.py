@@ -78,8 +78,8 @@ def nested_forecasts(
     calibration: Calibration,
     model: ProbabilisticModel,
     k: int,
-    known: Mapping[str, Array],
-    asked: Mapping[str, Array],
+    known: Mapping[str, NDArray],
+    asked: Mapping[str, NDArray],
     traces: Traces,
     members: int,
 ) -> Iterator[tuple[str, int, Array]]:
@@ -105,5 +105,6 @@ def nested_forecasts(
     yield QUANTILE_REGRESSION, 0, quantile_regression(*pairs, members)
     yield GAUSSIAN_PROCESS, 0, gaussian_process(*pairs, members)
     for name, logarithmic in ((REGRESSION_EARLIER, False), (LOG_REGRESSION_EARLIER, True)):
-        tables = [table[column] for table in (known, asked) for column in ("captured_s", "vectors", "participants")]
-        yield name, 0, personal_regression(*tables, members, logarithmic)  # type: ignore[arg-type]
+        training = known["captured_s"], known["vectors"], list(known["participants"])
+        target = asked["captured_s"], asked["vectors"], list(asked["participants"])
+        yield name, 0, personal_regression(*training, *target, members, logarithmic)

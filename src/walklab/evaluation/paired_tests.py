@@ -63,8 +63,9 @@ def test_table(
     -------
     DataFrame: scenario, hull, first, second, walks, participants, zeros (left out of the walks' ranks), ties (walks that share
     the size of their difference), mean_difference_s, dz and rank_biserial with _low and _high; p_walks (the paper's test),
-    p_participants (exact, on their means), mixed_s with _low, _high and p_mixed (hull ``all``); p_<...>_holm over the pairs of
-    the same scenario and hull; power_are and, simulated, power_walks, power_participants, size_walks, size_participants
+    p_participants (exact, on their means), mixed_s with _low, _high and p_mixed; p_<...>_holm over the pairs of the same
+    scenario and hull; power_are and, simulated, power_walks, power_participants, size_walks, size_participants. The mixed
+    model and what is simulated are of all walks, not of the parts.
     """
     found = []
     for (scenario, hull), part in parts(rows):
@@ -72,7 +73,7 @@ def test_table(
         for first, second in pairs:
             table = paired(part, first, second, column)
             row = {"scenario": scenario, "hull": hull, "first": first, "second": second}
-            here.append(row | _tested(table, rng, resamples, alpha, mixed=hull == "all"))
+            here.append(row | _tested(table, rng, resamples, alpha, whole=hull == "all"))
         frame = pd.DataFrame(here)
         for name in ("p_walks", "p_participants", "p_mixed"):
             frame[f"{name}_holm"] = holm(frame[name].to_numpy(dtype=float))
@@ -92,12 +93,12 @@ def holm(p: Array) -> Array:
     return result
 
 
-def _tested(table: pd.DataFrame, rng: np.random.Generator, resamples: int, alpha: float, mixed: bool) -> dict[str, float]:
+def _tested(table: pd.DataFrame, rng: np.random.Generator, resamples: int, alpha: float, whole: bool) -> dict[str, float]:
     difference = np.round((table["first"] - table["second"]).to_numpy(), ROUNDING_DECIMALS)
     codes, clusters = cluster_codes(table["participant"])
     counts = cluster_counts(clusters, resamples, rng)
     sizes = np.unique(np.abs(difference[difference != 0]), return_counts=True)[1]
-    means = pd.Series(difference).groupby(codes).mean().to_numpy()
+    means = np.asarray(pd.Series(difference).groupby(codes).mean(), dtype=float)
     row: dict[str, float] = {"walks": len(difference), "participants": clusters}
     row |= {"zeros": int((difference == 0).sum()), "ties": int(sizes[sizes > 1].sum())}
     sums = resampled_sums(np.column_stack([np.ones_like(difference), difference, difference**2]), codes, counts)
@@ -110,12 +111,13 @@ def _tested(table: pd.DataFrame, rng: np.random.Generator, resamples: int, alpha
         row |= {name: value, f"{name}_low": low, f"{name}_high": high}
     row["p_walks"] = _signed_rank(difference[None], "asymptotic")[0]
     row["p_participants"] = _signed_rank(means[None], "exact" if clusters <= 50 else "asymptotic")[0]
-    estimate = intercept_of(table.assign(error=difference)) if mixed else {}
+    estimate = intercept_of(table.assign(error=difference)) if whole else {}
     row |= {"mixed_s": estimate.get("estimate_s", np.nan), "mixed_s_low": estimate.get("low_s", np.nan)}
     row |= {"mixed_s_high": estimate.get("high_s", np.nan), "p_mixed": estimate.get("p", np.nan)}
     row["power_are"] = float(wilcoxon_power_are(exact[1], len(difference), alpha))
     for name, effect in (("power", exact[0]), ("size", 0.0)):
-        row[f"{name}_walks"], row[f"{name}_participants"] = simulated_power(difference, codes, effect, rng, alpha)
+        shares = simulated_power(difference, codes, effect, rng, alpha) if whole else (np.nan, np.nan)
+        row[f"{name}_walks"], row[f"{name}_participants"] = shares
     return row
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -39,7 +40,7 @@ def walk_scores(captured_s: Array, forecasts: Mapping[str, Forecast], walks: pd.
     frames = []
     for model, forecast in forecasts.items():
         members = forecast.members_s
-        columns: dict[str, object] = {"model": model, "captured_s": captured_s}
+        columns: dict[str, Any] = {"model": model, "captured_s": captured_s}
         columns["crps_s"] = np.asarray(sr.crps_ensemble(captured_s, members, estimator="qd")).reshape(len(captured_s))
         columns["energy_m"] = np.nan if forecast.energy_m is None else forecast.energy_m
         for level in COVERAGES:
@@ -115,8 +116,8 @@ def calibration_table(rows: pd.DataFrame) -> pd.DataFrame:
     for (scenario, model), group in rows[rows["model"] != OWN_MAP].groupby(["scenario", "model"], sort=False):
         # The central interval of a level holds the captured time when the PIT lies within half of it from the middle.
         away = 2 * np.abs(group["pit"].to_numpy() - 0.5)
-        for level in np.arange(0.05, 1.0, 0.05).round(2):
-            tables.append((scenario, model, "coverage", level, float((away <= level).mean())))
+        stated = np.arange(0.05, 1.0, 0.05).round(2)
+        tables += [(scenario, model, "coverage", level, float((away <= level).mean())) for level in stated]
         share = np.histogram(group["pit"], BINS, (0, 1))[0] / len(group)
         tables += [(scenario, model, "pit", (i + 0.5) / BINS, value) for i, value in enumerate(share)]
     return pd.DataFrame(tables, columns=["scenario", "model", "quantity", "at", "value"])

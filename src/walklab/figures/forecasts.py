@@ -6,6 +6,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import NullLocator
 
 from walklab.figures.style import (
     BLACK,
@@ -76,12 +77,14 @@ def fig_forecast_scores(table: pd.DataFrame) -> Figure:
         ax.grid(axis="x")
         letter(ax, index)
     panels[0].set_xlim(left=0)
-    panels[0].set_yticks(range(len(models)), [model_label(model) for model in models])
+    panels[0].set_yticks(range(len(models)), ["best cell of own map (oracle)" if m == ORACLE else model_label(m) for m in models])
     handles = [
         Line2D([], [], marker=markers[number % 4], color=BLACK, ls="none", ms=4, label=set_label(scenario))
         for number, scenario in enumerate(scenarios)
     ]
-    handles.append(Line2D([], [], marker="o", color=BLACK, mfc="white", ls="none", ms=4, label="knows earlier walks, or the walk"))
+    handles.append(
+        Line2D([], [], marker="o", color=BLACK, mfc="white", ls="none", ms=4, label="knows earlier walks, or the walk")
+    )
     figure.legend(handles=handles, loc="outside upper right", ncols=len(handles))
     return figure
 
@@ -117,6 +120,8 @@ def fig_calibration(table: pd.DataFrame) -> Figure:
             best = rows.loc[rows["value"].idxmin()]
             ax.plot(best["at"], best["value"], "o", mfc="white", mec=BLACK, ms=6)
     ax.set(xscale="log", xlabel="exponent of the suitability (1)", ylabel="CRPS (s)", ylim=(0, None))
+    ax.set_xticks([1, 3, 10, 30, 80], ["1", "3", "10", "30", "80"], minor=False)
+    ax.xaxis.set_minor_locator(NullLocator())
     ax.legend()
     letter(ax, len(scenarios), "sharpness")
     return figure

@@ -154,7 +154,11 @@ def trace_tile(
             group = queue[entered, 1]
             cells_in[count] = queue[entered, 0]
             enter(lanes, count, values, queue[entered, 0], start, group, legs, step_s)
-            lanes[FIRST + count], lanes[LAST + count], lanes[TRAVELLED + count] = start[group, 4], start[group, 5], start[group, 6]
+            lanes[FIRST + count], lanes[LAST + count], lanes[TRAVELLED + count] = (
+                start[group, 4],
+                start[group, 5],
+                start[group, 6],
+            )
             count, entered = count + 1, entered + 1
         while k < len(frames) and frames[k] < n:
             k += 1

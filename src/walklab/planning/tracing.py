@@ -76,13 +76,15 @@ def trace_cells(
     points = np.ascontiguousarray(np.atleast_2d(cells), dtype=float)
     frames = np.rint(np.atleast_2d(np.asarray(times_s, dtype=float)) / planner.step_s).astype(np.int64)
     if not len(routes) == len(tasks) == len(frames):
-        raise InputError(f"tracing: {len(routes)} routes, {len(tasks)} tasks and {len(frames)} rows of times; one of each per walk")
+        raise InputError(
+            f"tracing: {len(routes)} routes, {len(tasks)} tasks and {len(frames)} rows of times; one of each per walk"
+        )
     traces = Traces(
         np.empty((len(routes), len(points)), np.float32),
         np.empty((len(routes), len(points)), bool),
         np.empty((len(routes), len(points), frames.shape[1], 2), np.float32),
     )
-    left = np.arange(len(routes))
+    left = list(range(len(routes)))
     if isinstance(planner, PathFollowing) and len(routes):
         left = _trace_lanes(planner, routes, tasks, points, frames, standing_speed_m_s, time_limit_s, traces)
     for walk in left:
@@ -104,14 +106,17 @@ def _trace_lanes(
     standing_speed_m_s: float,
     time_limit_s: float,
     traces: Traces,
-) -> NDArray[np.int64]:
+) -> list[int]:
     """Fill the rows of the walks that fit the lanes; the indices of the others."""
     values = planner.kernel_parameters(cells)
-    speeds = tuple(np.array([getattr(task, end).speed_m_s for task in tasks], dtype=float) for end in ("start", "end"))
+    speeds = (
+        np.array([task.start.speed_m_s for task in tasks], dtype=float),
+        np.array([task.end.speed_m_s for task in tasks], dtype=float),
+    )
     packed, offsets = prepare_routes(
         np.ascontiguousarray(np.concatenate(routes), dtype=float), np.cumsum([0, *map(len, routes)]).astype(np.int64)
     )
-    fits = planner.in_lanes(values, (speeds[0], speeds[1]), packed[offsets[1:] - 1, 2]) & (np.diff(offsets) > 1)
+    fits = planner.in_lanes(values, speeds, packed[offsets[1:] - 1, 2]) & (np.diff(offsets) > 1)
     fits &= np.array([task.start.heading_rad is None for task in tasks])
     steps = max(math.ceil(time_limit_s / planner.step_s - 1e-9), 0)
     found = np.zeros((len(routes), len(values), COLUMNS), np.float32)
@@ -130,4 +135,4 @@ def _trace_lanes(
     travel_s = np.where(first < 0, 0.0, (end - begin) * planner.step_s)
     traces.travel_s[fits] = np.where(at_end > 0, travel_s, time_limit_s)
     traces.arrived[fits] = (at_end > 0) & (missed_m <= planner.arrival_radius_m)
-    return np.flatnonzero(~fits)
+    return [int(walk) for walk in np.flatnonzero(~fits)]

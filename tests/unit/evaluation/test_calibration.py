@@ -145,7 +145,9 @@ def test_paced_members_are_lognormal_about_a_point() -> None:
 
 
 def test_extended_model_learns_the_pace_of_people() -> None:
-    with_pace, without = (extended_table(evidence(40.0, pace_sd=sd), (10.0, 40.0, 160.0)).set_index("value") for sd in (0.15, 0.0))
+    with_pace, without = (
+        extended_table(evidence(40.0, pace_sd=sd), (10.0, 40.0, 160.0)).set_index("value") for sd in (0.15, 0.0)
+    )
     assert with_pace.loc[40.0, "person_sd"] == pytest.approx(0.15, abs=0.08)
     assert without.loc[40.0, "person_sd"] < 0.03
     assert 0.8 < with_pace.loc[40.0, "coverage_90"] < 0.98

@@ -138,7 +138,7 @@ def test_one_participant_alone_gives_the_rows_of_the_whole_study(study: Study) -
     whole = leave_one_subject_out(study, SETTINGS, OPTIONS, 3, 0)
     alone = leave_out("C", study, SETTINGS, OPTIONS, 3, 0)
     pd.testing.assert_frame_equal(whole.predictions[whole.predictions["participant"] == "C"].reset_index(drop=True), alone)
-    assert len(whole.scores) == 4 * 16
+    assert len(whole.scores) == 4 * 15
     assert set(whole.scores["walks"]) == {2, 3, 4, 6}
     assert (whole.summary["participants"] == 4).all()
 
@@ -297,7 +297,7 @@ def test_example_of_own_walks_goes_through_the_whole_chain(tmp_path: Path) -> No
     write_walks(*tables, tmp_path / "walks.parquet", tmp_path / "samples.parquet")
     study = study_of(read_walks(tmp_path / "walks.parquet", tmp_path / "samples.parquet"))
     result = leave_one_subject_out(study, SETTINGS, OPTIONS, 1, 0)
-    assert len(result.scores) == 4 * 16
+    assert len(result.scores) == 4 * 15
     assert (result.scores["walks"] == 5).all()
     summary = result.summary.set_index("model")
     assert np.isfinite(summary[["median_abs_dt_s", "crps_s", "coverage_90"]].to_numpy(dtype=float)).all()

@@ -64,7 +64,7 @@ def test_an_exactly_known_model_is_covered_as_often_as_it_says() -> None:
     rows = walk_scores(captured, forecasts, walks).assign(scenario="s")
     table = score_table(rows, rng, 500).query("hull == 'all'").set_index("model")
     for level in (50, 80, 90, 95):
-        held = int(round(table.loc["known", f"coverage_{level}"] * count))
+        held = round(table.loc["known", f"coverage_{level}"] * count)
         assert 1e-3 < stats.binom.cdf(held, count, level / 100) < 1 - 1e-3
     # The CRPS of a normal forecast of itself is sigma / sqrt(pi) on average.
     assert table.loc["known", "crps_s"] == pytest.approx(0.3 / np.sqrt(np.pi), rel=0.05)
