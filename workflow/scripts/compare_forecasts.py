@@ -1,7 +1,7 @@
 """Test pairs of forecasts by their CRPS, participants counting as what is independent."""
 
 from adapter import job
-from walklab.evaluation.paired_tests import test_table
+from walklab.evaluation.paired_tests import pair_table
 from walklab.randomness import generator
 from walklab.storage import read_table, write_table
 
@@ -10,4 +10,4 @@ if __name__ == "__main__":
         params = snakemake.params
         rng = generator(params.seed, int(snakemake.wildcards.replicate), "compare_forecasts")
         rows = read_table(snakemake.input.predictions)
-        write_table(test_table(rows, rng, resamples=params.statistics["bootstraps"]), snakemake.output.tests)
+        write_table(pair_table(rows, rng, resamples=params.statistics["bootstraps"]), snakemake.output.tests)

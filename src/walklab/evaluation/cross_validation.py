@@ -3,8 +3,8 @@
 The suitability maps (raw scores) of all walks are computed once; they do not depend on who is left out. Per
 participant only the models are trained again, on the others' scores. Beside the three motion models stand P_Prob
 without dependencies or with learned sharpness, climatology, regressions and a Gaussian process on the same dependencies
-and, where all walks start and end while walking, the task's two speeds alone. One row is no forecast: the best cell of the walk's own captured map, which
-knows the answer and is the error that the grid of parameters leaves to everybody.
+and, where all walks start and end while walking, the task's two speeds alone. One row is no forecast: the best cell of the
+walk's own captured map, which knows the answer and is the error that the grid of parameters leaves to everybody.
 """
 
 from __future__ import annotations

@@ -1,7 +1,7 @@
 """P_Prob (extended): a person's own pace, which no dependency tells, as a random effect.
 
-All times of a walk are multiplied by ``s = exp(b)``: the parameters drawn for the walk become ``(v / s, a / s^2, omega)``, by which
-a path-following walker goes the same path s times as slowly. b is normal over people, and what a person's earlier walks
+All times of a walk from rest are multiplied by ``s = exp(b)``: the parameters drawn for it become ``(v / s, a / s^2, omega)``, by
+which a path-following walker goes the same path s times as slowly. b is normal over people, and what a person's earlier walks
 say about it is its posterior, as in any random-intercept model.
 """
 

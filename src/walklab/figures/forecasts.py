@@ -117,7 +117,7 @@ def fig_calibration(table: pd.DataFrame) -> Figure:
         shade = BLACK if name == "training" else SET_COLOURS[(number - 1) % len(SET_COLOURS)]
         ax.plot(rows["at"], rows["value"], "o-", color=shade, ms=2.5, label=set_label(str(name)))
         if name == "training":
-            best = rows.loc[rows["value"].idxmin()]
+            best = rows.iloc[int(np.argmin(rows["value"]))]
             ax.plot(best["at"], best["value"], "o", mfc="white", mec=BLACK, ms=6)
     ax.set(xscale="log", xlabel="exponent of the suitability (1)", ylabel="CRPS (s)", ylim=(0, None))
     ax.set_xticks([1, 3, 10, 30, 80], ["1", "3", "10", "30", "80"], minor=False)

@@ -126,7 +126,7 @@ def take_out(
         here_x, here_y = lanes[X + i], lanes[Y + i]
         cut = lanes[TRAVELLED + i] - np.sqrt((here_x - x) ** 2 + (here_y - y) ** 2)
         found[cell, FIRST_MOVING] = lanes[FIRST + i]
-        found[cell, LAST_MOVING] = last_moving(lanes[LAST + i], n, lanes[BEFORE + i], cut, least)
+        found[cell, LAST_MOVING] = last_moving(float(lanes[LAST + i]), n, float(lanes[BEFORE + i]), float(cut), float(least))
         found[cell, STEPS], found[cell, AT_END], found[cell, MISSED_M] = n, 1, np.sqrt(x * x + y * y)
         for k in range(len(frames)):
             if frames[k] >= n:

@@ -7,7 +7,7 @@ import pandas as pd
 import pytest
 from scipy import stats
 
-from walklab.evaluation.paired_tests import holm, simulated_power, test_table
+from walklab.evaluation.paired_tests import holm, pair_table, simulated_power
 from walklab.evaluation.signed_rank import wilcoxon_power_are
 
 
@@ -49,7 +49,7 @@ def test_table_counts_zeros_and_ties_and_finds_a_difference_of_everybody() -> No
     better = rng.uniform(0.1, 0.2, count).round(6)
     worse = better + rng.choice([0.0, 0.05, 0.1], count, p=[0.1, 0.3, 0.6])
     rows = pd.concat([walks.assign(model="a", crps_s=worse), walks.assign(model="b", crps_s=better)], ignore_index=True)
-    table = test_table(rows, rng, (("a", "b"), ("b", "a")), resamples=300).set_index(["hull", "first"])
+    table = pair_table(rows, rng, (("a", "b"), ("b", "a")), resamples=300).set_index(["hull", "first"])
     row = table.loc[("all", "a")]
     zeros = int((worse == better).sum())
     assert (row["zeros"], row["ties"]) == (zeros, count - zeros)

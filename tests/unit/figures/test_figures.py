@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from walklab.errors import InputError
-from walklab.figures import blending, capture, claims, evaluation, maps, real
+from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, real
 from walklab.figures.style import DOUBLE_MM, MODEL_COLOURS, SINGLE_MM, save, style
 
 every_figure = pytest.mark.parametrize("draw", FIGURES.values(), ids=FIGURES)
@@ -170,6 +170,9 @@ BLANK: dict[str, Callable[[Callable[[pd.DataFrame], pd.DataFrame]], Figure]] = {
     "fig14": lambda empty: evaluation.fig14(empty(inputs.sweep()), inputs.timings(), {}, {}),
     "fig15": lambda empty: evaluation.fig15(empty(inputs.long_times()), inputs.long_published()),
     "scores": lambda empty: real.fig_scores(empty(inputs.scores()), inputs.summary()),
+    "forecast_scores": lambda empty: forecasts.fig_forecast_scores(empty(inputs.forecast_scores())),
+    "calibration": lambda empty: forecasts.fig_calibration(empty(inputs.calibration())),
+    "pit": lambda empty: forecasts.fig_pit(empty(inputs.calibration())),
 }
 
 
