@@ -103,9 +103,9 @@ def source_files(wildcards):
     return sorted(map(str, path.rglob("*.a[sm][fc]"))) if path.is_dir() else str(path)
 
 
-def figure(name, category):
+def figure(name, category, caption=None):
     """A figure as SVG, which the report shows, and PNG."""
-    caption = f"../report/{name}.rst"
+    caption = f"../report/{caption or name}.rst"
     shown = report(
         f"{RUN}/figures/{name}.svg",
         caption=caption,

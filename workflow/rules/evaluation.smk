@@ -21,6 +21,7 @@ rule simulate_trials:
     input:
         **MODEL_INPUTS,
         plan=lambda wildcards: CONFIG["scenarios"][wildcards.scenario],
+        calibration=stage("calibrate_model", "calibration.json"),
     output:
         trials=stage("simulate_trials", "trials.parquet", "scenario"),
     log:

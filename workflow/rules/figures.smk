@@ -210,20 +210,41 @@ rule draw_claims:
         "../scripts/draw_claims.py"
 
 
-rule draw_scores:
-    input:
-        scores=first(rules.cross_validate.output.scores),
-        summary=first(rules.cross_validate.output.summary),
-    output:
-        figure("scores", "Evaluation"),
-    log:
-        first(stage("draw_scores", "log.txt")),
-    benchmark:
-        first(stage("draw_scores", "benchmark.tsv"))
-    params:
-        code=code("draw_scores.py"),
-    script:
-        "../scripts/draw_scores.py"
+if SYNTHETIC:
+
+    rule draw_forecasts:
+        input:
+            scores=first(rules.score_forecasts.output.scores),
+            calibration=first(rules.score_forecasts.output.calibration),
+        output:
+            *figure("scores", "Evaluation", caption="forecast_scores"),
+            *figure("calibration", "Evaluation"),
+            *figure("pit", "Evaluation"),
+        log:
+            first(stage("draw_forecasts", "log.txt")),
+        benchmark:
+            first(stage("draw_forecasts", "benchmark.tsv"))
+        params:
+            code=code("draw_forecasts.py"),
+        script:
+            "../scripts/draw_forecasts.py"
+
+else:
+
+    rule draw_scores:
+        input:
+            scores=first(rules.cross_validate.output.scores),
+            summary=first(rules.cross_validate.output.summary),
+        output:
+            figure("scores", "Evaluation"),
+        log:
+            first(stage("draw_scores", "log.txt")),
+        benchmark:
+            first(stage("draw_scores", "benchmark.tsv"))
+        params:
+            code=code("draw_scores.py"),
+        script:
+            "../scripts/draw_scores.py"
 
 
 rule draw_fig11:

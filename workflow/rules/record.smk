@@ -22,6 +22,9 @@ STEERING = [
     f"{RUN}/figures/dependency_clouds.svg",
     f"{RUN}/figures/claims.svg",
     f"{RUN}/claims.csv",
+    f"{RUN}/scores.csv",
+    f"{RUN}/calibration.csv",
+    *(f"{RUN}/figures/{name}.svg" for name in ("scores", "calibration", "pit")),
     *(f"{RUN}/tables/{name}.html" for name in TABLES),
     *expand(
         rules.simulate_trials.output.trials, scenario=SCENARIOS, replicate=REPLICATES
@@ -38,23 +41,43 @@ REAL = [
 ]
 
 
-rule publish_scores:
-    input:
-        scores=first(rules.cross_validate.output.scores),
-        summary=first(rules.cross_validate.output.summary),
-    output:
-        scores=report(
-            f"{RUN}/scores.csv", caption="../report/table.rst", category="Tables"
-        ),
-        summary=report(
-            f"{RUN}/summary.csv", caption="../report/table.rst", category="Tables"
-        ),
-    log:
-        first(stage("publish_scores", "log.txt")),
-    benchmark:
-        first(stage("publish_scores", "benchmark.tsv"))
-    shell:
-        "{{ cp {input.scores} {output.scores} && cp {input.summary} {output.summary}; }} 2> {log}"
+if SYNTHETIC:
+
+    rule publish_scores:
+        input:
+            scores=first(rules.score_forecasts.output.scores),
+            calibration=first(rules.score_forecasts.output.calibration),
+        output:
+            scores=report(
+                f"{RUN}/scores.csv", caption="../report/table.rst", category="Tables"
+            ),
+            calibration=f"{RUN}/calibration.csv",
+        log:
+            first(stage("publish_scores", "log.txt")),
+        benchmark:
+            first(stage("publish_scores", "benchmark.tsv"))
+        shell:
+            "{{ cp {input.scores} {output.scores} && cp {input.calibration} {output.calibration}; }} 2> {log}"
+
+else:
+
+    rule publish_scores:
+        input:
+            scores=first(rules.cross_validate.output.scores),
+            summary=first(rules.cross_validate.output.summary),
+        output:
+            scores=report(
+                f"{RUN}/scores.csv", caption="../report/table.rst", category="Tables"
+            ),
+            summary=report(
+                f"{RUN}/summary.csv", caption="../report/table.rst", category="Tables"
+            ),
+        log:
+            first(stage("publish_scores", "log.txt")),
+        benchmark:
+            first(stage("publish_scores", "benchmark.tsv"))
+        shell:
+            "{{ cp {input.scores} {output.scores} && cp {input.summary} {output.summary}; }} 2> {log}"
 
 
 rule record_run:

@@ -96,6 +96,18 @@ _TABLES = {
         )
         for scenario in SCENARIOS
     },
+    "scores": (
+        first(rules.score_forecasts.output.scores),
+        "Proper scores of all forecasts, split by the training range",
+    ),
+    "sharpness": (
+        first(rules.calibrate_model.output.candidates),
+        "Sharpness learned from training walks: every candidate",
+    ),
+    "tests": (
+        first(rules.compare_forecasts.output.tests),
+        "Pairs of forecasts: tests that know who walked",
+    ),
     "ablations": (first(rules.ablate_parameters.output.ablations), "Ablations"),
     "leave_out": (first(rules.leave_out.output.summary), "Leave-one-out checks"),
     "neighbours": (

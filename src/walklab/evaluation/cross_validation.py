@@ -2,9 +2,9 @@
 
 The suitability maps (raw scores) of all walks are computed once; they do not depend on who is left out. Per
 participant only the models are trained again, on the others' scores. Beside the three motion models stand P_Prob
-without dependencies, climatology, a linear regression on the same dependencies and, where all walks start and end
-while walking, the task's two speeds alone. One row is no forecast: the best cell of the walk's own captured map, which
-knows the answer and is the error that the grid of parameters leaves to everybody.
+without dependencies or with learned sharpness, climatology, regressions and a Gaussian process on the same dependencies
+and, where all walks start and end while walking, the task's two speeds alone. One row is no forecast: the best cell of the
+walk's own captured map, which knows the answer and is the error that the grid of parameters leaves to everybody.
 """
 
 from __future__ import annotations
@@ -21,12 +21,17 @@ from walklab.errors import InputError
 from walklab.evaluation.baselines import climatology, regression, task_speeds
 from walklab.evaluation.bootstrap import DECIMALS, RESAMPLES
 from walklab.evaluation.folds import by_participant
+from walklab.evaluation.grid_scores import captured_distances
+from walklab.evaluation.learned_baselines import with_residuals
+from walklab.evaluation.nested import learn, nested_forecasts
 from walklab.evaluation.subject_scores import OWN_MAP, forecast_scores, subject_scores, summarise
+from walklab.evaluation.tracing import trace_walks
 from walklab.geometry import curves
 from walklab.geometry.scene import Task
 from walklab.geometry.standing import Standing
 from walklab.planning.durations import trajectory_travel_time_s
 from walklab.planning.protocol import Arrival, Planner
+from walklab.planning.tracing import Traces
 from walklab.randomness import generator
 from walklab.steering.metrics import metric_named
 from walklab.steering.models import AdaptiveModel, ProbabilisticModel, StaticModel
@@ -39,6 +44,7 @@ Array = NDArray[np.float64]
 
 STATIC, ADAPTIVE, PROBABILISTIC = "P_Stat", "P_Adapt", "P_Prob"
 WITHOUT_DEPENDENCIES = "P_Prob without dependencies"
+STATIC_SPREAD = "P_Stat with residual spread"
 CLIMATOLOGY, REGRESSION, TASK_SPEEDS = "climatology", "regression", "task speeds alone"
 
 
@@ -76,6 +82,14 @@ class Study:
     def participants(self) -> NDArray[np.str_]:
         """(W,) who walked."""
         return np.array([str(walk.row["participant"]) for walk in self.walks])
+
+    def traced(self, time_limit_s: float) -> tuple[Traces, NDArray[np.float32]]:
+        """Traces of all walks and cells, and the (W, C) distances from the captured walks; computed once."""
+        key = f"_traced_{time_limit_s}"
+        if key not in self.__dict__:
+            traces, places = trace_walks(self.walks, self.routes, self.planner, self.space, self.standing, time_limit_s)
+            self.__dict__[key] = traces, captured_distances(traces, places)
+        return self.__dict__[key]
 
     @property
     def durations_s(self) -> Array:
@@ -186,6 +200,10 @@ def _forecasts(
     vectors = study.vectors.to_numpy(dtype=float)
     static = _static_model(study, known, options, generator(seed, replicate, "cross_validation", participant, "static_fit"))
     yield STATIC, 0, *_simulate(study, asked, static.parameters(vectors[asked])[:, None], options)
+    times = study.durations_s
+    fitted = _simulate(study, known, static.parameters(vectors[known])[:, None], options)[0][:, 0]
+    point = _simulate(study, asked, static.parameters(vectors[asked])[:, None], options)[0][:, 0]
+    yield STATIC_SPREAD, 0, with_residuals(point, times[known] - fitted, options.draws), np.nan
     yield ADAPTIVE, settings.k, *_simulate(study, asked, AdaptiveModel(model).parameters(vectors[asked])[:, None], options)
     drawn = _draw(study, asked, model, vectors, PROBABILISTIC, options.draws, seed, replicate)
     yield PROBABILISTIC, settings.k, *_simulate(study, asked, drawn, options)
@@ -194,8 +212,13 @@ def _forecasts(
     bare = _train(study, known, study.vectors[[]], nothing, seed, replicate, participant)
     drawn = _draw(study, asked, bare, vectors[:, :0], WITHOUT_DEPENDENCIES, options.draws, seed, replicate)
     yield WITHOUT_DEPENDENCIES, len(known), *_simulate(study, asked, drawn, options)
-    times, lengths = study.durations_s, study.planned_lengths_m
+    lengths = study.planned_lengths_m
     owners = study.participants[known].tolist()
+    traces, distances = study.traced(options.time_limit_s)
+    learned = learn(model, settings, owners, times[known], vectors[known], traces.rows(known), distances[known])
+    walks = [{"captured_s": times[i], "vectors": vectors[i], "participants": study.participants[i]} for i in (known, asked)]
+    for name, k, members in nested_forecasts(learned, model, settings.k, walks[0], walks[1], traces.rows(asked), options.draws):
+        yield name, k, members, np.nan
     yield CLIMATOLOGY, 0, climatology(times[known], lengths[known], owners, lengths[asked], options.draws), np.nan
     yield REGRESSION, 0, regression(times[known], vectors[known], vectors[asked], options.draws), np.nan
     # Whether this baseline exists must not differ between participants, so all walks are asked.

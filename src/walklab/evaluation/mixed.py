@@ -40,6 +40,20 @@ def mixed_model(trials: pd.DataFrame, pairs: Sequence[tuple[str, str]] = PAIRS, 
     return pd.DataFrame(rows)
 
 
+def intercept_of(differences: pd.DataFrame) -> dict[str, Any]:
+    """The mean difference for other participants: the intercept of ``error ~ 1`` with a random intercept per participant.
+
+    Parameters
+    ----------
+    differences : DataFrame[participant, error]
+
+    Returns
+    -------
+    dict as a row of :func:`mixed_model`
+    """
+    return _fit_mixed(differences, "error ~ 1", "differences")[0]
+
+
 def _fit_mixed(data: pd.DataFrame, formula: str, fit: str) -> list[dict[str, Any]]:
     empty = {"participant_sd_s": np.nan, "residual_sd_s": np.nan, "converged": False}
     if data["participant"].nunique() < 2 or np.ptp(data["error"]) == 0:

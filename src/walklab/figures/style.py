@@ -45,7 +45,16 @@ PUBLISHED = "#6E6E6E"  # always a hollow marker or an outline
 FAINT = "#C8C8C8"
 OBSTACLE = "#D9D9D9"
 
-MODEL_COLOURS: dict[str, str] = {"Ref": BLACK, "P_Stat": ORANGE, "P_Adapt": GREEN, "P_Prob": BLUE}
+WINE, INDIGO = "#882255", "#332288"  # of Paul Tol's muted set, apart from the others for every kind of colour vision
+
+MODEL_COLOURS: dict[str, str] = {
+    "Ref": BLACK,
+    "P_Stat": ORANGE,
+    "P_Adapt": GREEN,
+    "P_Prob": BLUE,
+    "P_Prob (calibrated)": WINE,
+    "P_Prob (extended)": INDIGO,
+}
 OTHER_MODEL = PURPLE  # baselines that the paper does not have
 SET_COLOURS = (SKY, VERMILLION, PURPLE, "#F0E442")  # data sets, in the order given: never a model's colour
 PUBLISHED_MARK: dict[str, Any] = {"marker": "D", "mfc": "white", "mec": PUBLISHED, "mew": 1.0, "ms": 4.5, "ls": "none"}
@@ -145,7 +154,7 @@ def save(figure: Figure, path_svg: str | Path, path_png: str | Path, dpi: int = 
 def colour(model: str) -> str:
     """The one colour of a model; a variant such as ``P_Prob without dependencies`` has its model's."""
     for name in sorted(MODEL_COLOURS, key=len, reverse=True):
-        if model == name or model.startswith((f"{name}_", f"{name} ")):
+        if model == name or model.startswith((f"{name}_", f"{name} ", f"{name},")):
             return MODEL_COLOURS[name]
     return OTHER_MODEL
 

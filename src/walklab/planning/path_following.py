@@ -141,7 +141,7 @@ class PathFollowing:
             heading = np.array([math.cos(task.start.heading_rad), math.sin(task.start.heading_rad)])
         steps = max(math.ceil(time_limit_s / self.step_s - 1e-9), 0)
         speeds = task.start.speed_m_s, task.end.speed_m_s
-        positions, status = follow_route(route, heading, *speeds, values, self._rule, steps)
+        positions, status = follow_route(route, heading, *speeds, values, self.rule, steps)
         return Trajectory(positions, self.step_s, arrival_of(positions, route, status == AT_END, self.arrival_radius_m))
 
     def sweep_euclid(self, batch: WalkBatch, cells: Array) -> Array:
@@ -184,9 +184,9 @@ class PathFollowing:
             singles, groups = np.minimum(values, TURNS_AT_ONCE).astype(np.float32), group_cells(values)
             # A straight walk costs little: cells that differ in omega alone are one.
             work = steps * np.where(np.diff(offsets) > 2, 0.1, 0.01)
-            share_out(lambda own: sweep_lanes(*packed, own, singles, groups, self._rule, scores), np.flatnonzero(in_lanes), work)
+            share_out(lambda own: sweep_lanes(*packed, own, singles, groups, self.rule, scores), np.flatnonzero(in_lanes), work)
         if not in_lanes.all():
-            share_out(lambda own: sweep(*packed, own, values, self._rule, scores), np.flatnonzero(~in_lanes), steps)
+            share_out(lambda own: sweep(*packed, own, values, self.rule, scores), np.flatnonzero(~in_lanes), steps)
         return scores
 
     def in_lanes(self, values: Array, speeds_m_s: tuple[Array, Array], route_lengths_m: Array) -> NDArray[np.bool_]:
@@ -202,7 +202,8 @@ class PathFollowing:
         return (fastest * self.step_s < self.look_ahead_m) & (route_lengths_m <= LANE_ROUTE_M)
 
     @property
-    def _rule(self) -> Rule:
+    def rule(self) -> Rule:
+        """What compiled code needs beside the parameters: look-ahead, braking, turn law, step."""
         return float(self.look_ahead_m), bool(self.braking), TURN_LAWS[self.turn_law], float(self.step_s)
 
 

@@ -17,6 +17,7 @@ from walklab.capture.walks import WALKS, Walk, read_walks, write_walks
 from walklab.errors import InputError
 from walklab.evaluation.baselines import climatology, regression, task_speeds
 from walklab.evaluation.cross_validation import CrossValidationOptions, Study, leave_one_subject_out, leave_out
+from walklab.evaluation.forecasts import INFORMED
 from walklab.evaluation.subject_scores import OWN_MAP, forecast_scores, subject_scores, summarise
 from walklab.geometry import curves
 from walklab.geometry.scene import Body, Scene
@@ -119,9 +120,15 @@ def test_nothing_of_the_forecast_walks_is_used_but_their_tasks_and_the_height(st
     # The error floor alone reads the walk itself.
     assert np.any(before.loc[before["model"] == OWN_MAP, "point_s"] != after.loc[after["model"] == OWN_MAP, "point_s"])
     before, after = (frame[frame["model"] != OWN_MAP] for frame in (before, after))
-    pd.testing.assert_frame_equal(before[forecast], after[forecast])
+    informed = before["model"].isin(INFORMED)
+    pd.testing.assert_frame_equal(before.loc[~informed, forecast], after.loc[~informed, forecast])
+    # What uses a person's earlier walks, and says so, knows nothing before the first, and something after it.
+    first = informed & (before["walk"] == before["walk"].iloc[0])
+    pd.testing.assert_frame_equal(before.loc[first, forecast], after.loc[first, forecast])
+    later = informed & ~first
+    assert (before.loc[later, "point_s"] != after.loc[later, "point_s"]).all()
     before, after = (leave_out("C", which, SETTINGS, OPTIONS, 1, 0) for which in (study, other))
-    for model in ("P_Prob", "P_Prob without dependencies", "climatology", "regression"):
+    for model in ("P_Prob", "P_Prob without dependencies", "climatology", "regression", "Gaussian process", "P_Prob (extended)"):
         one, two = (frame.loc[frame["model"] == model, ["low_s", "point_s", "high_s"]].to_numpy() for frame in (before, after))
         assert np.any(one != two), model
 
@@ -131,7 +138,7 @@ def test_one_participant_alone_gives_the_rows_of_the_whole_study(study: Study) -
     whole = leave_one_subject_out(study, SETTINGS, OPTIONS, 3, 0)
     alone = leave_out("C", study, SETTINGS, OPTIONS, 3, 0)
     pd.testing.assert_frame_equal(whole.predictions[whole.predictions["participant"] == "C"].reset_index(drop=True), alone)
-    assert len(whole.scores) == 4 * 7
+    assert len(whole.scores) == 4 * 15
     assert set(whole.scores["walks"]) == {2, 3, 4, 6}
     assert (whole.summary["participants"] == 4).all()
 
@@ -290,7 +297,7 @@ def test_example_of_own_walks_goes_through_the_whole_chain(tmp_path: Path) -> No
     write_walks(*tables, tmp_path / "walks.parquet", tmp_path / "samples.parquet")
     study = study_of(read_walks(tmp_path / "walks.parquet", tmp_path / "samples.parquet"))
     result = leave_one_subject_out(study, SETTINGS, OPTIONS, 1, 0)
-    assert len(result.scores) == 4 * 7
+    assert len(result.scores) == 4 * 15
     assert (result.scores["walks"] == 5).all()
     summary = result.summary.set_index("model")
     assert np.isfinite(summary[["median_abs_dt_s", "crps_s", "coverage_90"]].to_numpy(dtype=float)).all()

@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from walklab.figures import blending, capture, claims, evaluation, maps, real
+from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, real
 from walklab.geometry.plans import Plan, Station
 from walklab.geometry.scene import Scene, disc
 from walklab.steering.space import Axis, ParameterSpace
@@ -141,6 +141,29 @@ def summary() -> pd.DataFrame:
     return table
 
 
+def forecast_scores() -> pd.DataFrame:
+    rows = [
+        (scenario, hull, model, info, 0.2, 0.1, 0.3, 0.85, 0.7, 1.0)
+        for scenario in ("scenario_1", "scenario_2")
+        for hull in ("all", "inside")
+        for model, info in (
+            ("P_Stat", "task"),
+            ("P_Prob (calibrated)", "task"),
+            ("regression, earlier walks", "task and earlier walks"),
+        )
+    ]
+    names = ["crps_s", "crps_s_low", "crps_s_high", "coverage_90", "coverage_90_low", "coverage_90_high"]
+    return pd.DataFrame(rows, columns=["scenario", "hull", "model", "information", *names])
+
+
+def calibration() -> pd.DataFrame:
+    models = ("P_Prob (literal)", "P_Prob (calibrated)", "regression")
+    rows = [("s", m, "coverage", at, at * 0.9) for m in models for at in (0.2, 0.5, 0.9)]
+    rows += [("s", m, "pit", at, 0.25) for m in models for at in (0.125, 0.375, 0.625, 0.875)]
+    rows += [(s, "P_Prob", "crps_by_exponent", at, 1 / at) for s in ("training", "s") for at in (1.0, 10.0, 80.0)]
+    return pd.DataFrame(rows, columns=["scenario", "model", "quantity", "at", "value"])
+
+
 def run_time() -> dict[str, Any]:
     fine = np.linspace(0.1, 1.3, 9)
     draws = np.random.default_rng(3).uniform(0.1, 1.3, (12, 3))
@@ -169,4 +192,7 @@ FIGURES: dict[str, Draw] = {
     "fig15": lambda: evaluation.fig15(long_times(), long_published()),
     "claims": lambda: claims.fig_claims(claim_rows()),
     "scores": lambda: real.fig_scores(scores(), summary()),
+    "forecast_scores": lambda: forecasts.fig_forecast_scores(forecast_scores()),
+    "calibration": lambda: forecasts.fig_calibration(calibration()),
+    "pit": lambda: forecasts.fig_pit(calibration()),
 }

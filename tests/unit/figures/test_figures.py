@@ -18,8 +18,8 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from walklab.errors import InputError
-from walklab.figures import blending, capture, claims, evaluation, maps, real
-from walklab.figures.style import DOUBLE_MM, MODEL_COLOURS, SINGLE_MM, save, style
+from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, real
+from walklab.figures.style import DOUBLE_MM, MODEL_COLOURS, SINGLE_MM, colour, save, style
 
 every_figure = pytest.mark.parametrize("draw", FIGURES.values(), ids=FIGURES)
 
@@ -74,6 +74,7 @@ def test_drawn_twice_gives_the_same_bytes(draw: Callable[[], Figure], tmp_path: 
 
 
 def test_every_model_has_its_colour_in_every_figure() -> None:
+    papers = ("Ref", "P_Stat", "P_Adapt", "P_Prob")
     used: dict[str, set[str]] = {name: set() for name in MODEL_COLOURS}
     fig11, fig15, fig10, scores = (FIGURES[name]() for name in ("fig11", "fig15", "fig10", "scores"))
     for ax, name in zip(fig11.axes, ("P_Stat", "P_Adapt", "P_Prob"), strict=False):
@@ -82,11 +83,14 @@ def test_every_model_has_its_colour_in_every_figure() -> None:
     boxes = {round(np.mean(p.get_path().vertices[:4, 0])): to_hex(p.get_facecolor()).upper() for p in fig15.axes[0].patches}
     used["P_Prob"].add(boxes[ticks.index("$P_{Prob}$")])
     lines = [line for line in fig10.axes[0].get_lines() if line.get_linewidth() == 1.2]
-    for line, name in zip(lines, MODEL_COLOURS, strict=True):
+    for line, name in zip(lines, papers, strict=True):
         used[name].add(to_hex(line.get_color()).upper())
     means = [line for line in scores.axes[0].get_lines() if line.get_marker() == "D"]
     for line, name in zip(means, ("P_Stat", "P_Prob"), strict=False):
         used[name].add(to_hex(line.get_markerfacecolor()).upper())
+    pit = FIGURES["pit"]()
+    used["P_Prob (calibrated)"] |= {to_hex(patch.get_facecolor()).upper() for patch in pit.axes[1].patches}
+    used["P_Prob (extended)"].add(str(colour("P_Prob (extended), earlier walks")).upper())  # a variant has its model's
     assert used == {name: {hue} for name, hue in MODEL_COLOURS.items()}
 
 
@@ -170,6 +174,9 @@ BLANK: dict[str, Callable[[Callable[[pd.DataFrame], pd.DataFrame]], Figure]] = {
     "fig14": lambda empty: evaluation.fig14(empty(inputs.sweep()), inputs.timings(), {}, {}),
     "fig15": lambda empty: evaluation.fig15(empty(inputs.long_times()), inputs.long_published()),
     "scores": lambda empty: real.fig_scores(empty(inputs.scores()), inputs.summary()),
+    "forecast_scores": lambda empty: forecasts.fig_forecast_scores(empty(inputs.forecast_scores())),
+    "calibration": lambda empty: forecasts.fig_calibration(empty(inputs.calibration())),
+    "pit": lambda empty: forecasts.fig_pit(empty(inputs.calibration())),
 }
 
 

@@ -1,0 +1,139 @@
+"""Forecasts of the travel times of a held-out set of walks: the motion models and what a sceptic would put beside them.
+
+Nothing of the walks that are forecast is read but their tasks and dependencies; the two exceptions say so by their names: what
+uses a person's *earlier* walks, and the resolution oracle, which reads the walk itself and is no forecast.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+
+from walklab.evaluation.baselines import climatology, levels, regression
+from walklab.evaluation.calibration import MEMBERS, Calibration, log_residuals
+from walklab.evaluation.grid_scores import grid_crps, grid_energy, grid_quantiles
+from walklab.evaluation.learned_baselines import gaussian_process, personal_regression, quantile_regression, with_residuals
+from walklab.evaluation.pace import paced
+from walklab.evaluation.subject_scores import OWN_MAP
+from walklab.planning.tracing import Traces
+from walklab.steering.sharpness import Sharpness
+
+Array = NDArray[np.float64]
+
+STATIC, ADAPTIVE, BARE = "P_Stat", "P_Adapt", "P_Prob without dependencies"
+LITERAL, CALIBRATED = "P_Prob (literal)", "P_Prob (calibrated)"
+EXTENDED, EXTENDED_EARLIER = "P_Prob (extended)", "P_Prob (extended), earlier walks"
+CLIMATOLOGY, REGRESSION, QUANTILE_REGRESSION = "climatology", "regression", "quantile regression"
+GAUSSIAN_PROCESS = "Gaussian process"
+REGRESSION_EARLIER, LOG_REGRESSION_EARLIER = "regression, earlier walks", "log regression, earlier walks"
+
+# What uses a person's earlier walks is compared with what uses them too.
+INFORMED = (EXTENDED_EARLIER, REGRESSION_EARLIER, LOG_REGRESSION_EARLIER)
+
+
+@dataclass(frozen=True)
+class Known:
+    """The training walks as the baselines see them.
+
+    Attributes
+    ----------
+    durations_s, lengths_m, vectors, participants : (N,), (N,), (N, D), (N,) of all training walks
+    few : rows of the walks that the Gaussian process is fitted to
+    static_residuals_s, adaptive_residuals_s : captured - simulated travel times of training walks
+    bare : (C,) mean suitability of all training walks
+    """
+
+    durations_s: Array
+    lengths_m: Array
+    vectors: Array
+    participants: Sequence[str]
+    few: NDArray[np.int64]
+    static_residuals_s: Array
+    adaptive_residuals_s: Array
+    bare: Array
+
+
+@dataclass(frozen=True)
+class Asked:
+    """The walks to forecast, in the order in which each person walked them.
+
+    Attributes
+    ----------
+    captured_s : (W,) read by what uses earlier walks, and by the scores
+    lengths_m, vectors, participants : (W,), (W, D), (W,)
+    suitability : (W, C) blended maps
+    static_s, adaptive_s, own_map_s : (W,) travel times simulated with P_Stat's, P_Adapt's and the walk's own best parameters
+    traces, distances_m : of all cells
+    """
+
+    captured_s: Array
+    lengths_m: Array
+    vectors: Array
+    participants: Sequence[str]
+    suitability: Array
+    static_s: Array
+    adaptive_s: Array
+    own_map_s: Array
+    traces: Traces
+    distances_m: NDArray[np.float32]
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """(W, M) equally likely travel times and, where there are trajectories, their energy score (W,) in metres."""
+
+    members_s: Array
+    energy_m: Array | None = None
+
+
+def all_forecasts(known: Known, asked: Asked, calibration: Calibration, volumes: Array) -> dict[str, Forecast]:
+    """Every forecast by its name, in the order of the tables."""
+    at = levels(MEMBERS)
+    bare = np.tile(known.bare, (len(asked.captured_s), 1))
+    found = {
+        STATIC: Forecast(with_residuals(asked.static_s, known.static_residuals_s)),
+        ADAPTIVE: Forecast(with_residuals(asked.adaptive_s, known.adaptive_residuals_s)),
+        LITERAL: on_grid(asked, asked.suitability, 1.0, volumes),
+        CALIBRATED: on_grid(asked, asked.suitability, calibration.exponent, volumes),
+        BARE: on_grid(asked, bare, calibration.bare_exponent, volumes),
+    }
+    sharp = on_grid(asked, asked.suitability, calibration.extended_exponent, volumes).members_s
+    nobody = calibration.pace.posterior(np.zeros(len(sharp)), [str(index) for index in range(len(sharp))])
+    earlier = calibration.pace.posterior(log_residuals(asked.captured_s, sharp), asked.participants)
+    for name, effect in ((EXTENDED, nobody), (EXTENDED_EARLIER, earlier)):
+        found[name] = Forecast(paced(sharp, *effect, calibration.pace.walk_sd, at))
+    pairs = known.durations_s, known.vectors
+    few = known.durations_s[known.few], known.vectors[known.few]
+    personal = (*pairs, known.participants, asked.captured_s, asked.vectors, asked.participants)
+    members = {
+        CLIMATOLOGY: climatology(known.durations_s, known.lengths_m, known.participants, asked.lengths_m),
+        REGRESSION: regression(*pairs, asked.vectors),
+        QUANTILE_REGRESSION: quantile_regression(*pairs, asked.vectors),
+        GAUSSIAN_PROCESS: gaussian_process(*few, asked.vectors),
+        REGRESSION_EARLIER: personal_regression(*personal),
+        LOG_REGRESSION_EARLIER: personal_regression(*personal, logarithmic=True),
+        OWN_MAP: asked.own_map_s[:, None],
+    }
+    return found | {name: Forecast(values) for name, values in members.items()}
+
+
+def on_grid(asked: Asked, maps: Array, exponent: float, volumes: Array) -> Forecast:
+    """The forecast of the sharpened density over the cells."""
+    density = Sharpness("exponent", exponent).density(maps, volumes)
+    travel_s, places_m = asked.traces.travel_s, asked.traces.places_m
+    energy_m = grid_energy(asked.distances_m, density, places_m, travel_s)
+    return Forecast(grid_quantiles(travel_s, density, levels(MEMBERS))[0], energy_m)
+
+
+def by_exponent(asked: Asked, exponents: Sequence[float], volumes: Array) -> pd.DataFrame:
+    """CRPS on these walks by exponent, for the figure alone: nothing is chosen by it. DataFrame[value, crps_s]."""
+    rows = []
+    for value in exponents:
+        density = Sharpness("exponent", value).density(asked.suitability, volumes)
+        scores = pd.Series(grid_crps(asked.traces.travel_s, density, asked.captured_s))
+        rows.append({"value": value, "crps_s": scores.groupby(np.asarray(asked.participants)).mean().mean()})
+    return pd.DataFrame(rows)

@@ -1,0 +1,58 @@
+"""Captured walks beside the traces of all cells: what the grid scores need, by walk."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from walklab.capture.walks import Walk
+from walklab.geometry import curves
+from walklab.geometry.standing import Standing
+from walklab.planning.protocol import Planner
+from walklab.planning.tracing import Traces, trace_cells
+from walklab.steering.routes import task_of
+from walklab.steering.space import ParameterSpace
+
+Array = NDArray[np.float64]
+
+PLACES = 8
+PATIENCE_S, SLOW_M_S = 1.0, 0.5
+
+
+def score_times(lengths_m: Array) -> Array:
+    """(W, 8) times at which trajectories are compared, from the length of the planned route alone.
+
+    A horizon that depended on how long the captured walk took would make the energy score improper: the forecast would be
+    judged by a rule that knows the answer.
+    """
+    # ASSUME: Trajectories are compared up to 1 s + length / (0.5 m/s), by which time nearly all captured walks have ended.
+    horizon = PATIENCE_S + np.asarray(lengths_m, dtype=float) / SLOW_M_S
+    return np.multiply.outer(horizon, np.arange(1, PLACES + 1) / PLACES)
+
+
+def captured_places(walks: Sequence[Walk], times_s: Array) -> Array:
+    """(W, K, 2) where each person was at these times, standing at the end of the walk after it; metres."""
+    return np.stack(
+        [
+            np.column_stack([np.interp(at, walk.time_s - walk.time_s[0], walk.position_m[:, axis]) for axis in (0, 1)])
+            for walk, at in zip(walks, times_s, strict=True)
+        ]
+    )
+
+
+def trace_walks(
+    walks: Sequence[Walk],
+    routes: Mapping[str, Array],
+    planner: Planner,
+    space: ParameterSpace,
+    standing: Standing,
+    time_limit_s: float,
+) -> tuple[Traces, Array]:
+    """Traces of every cell for the walks' tasks and routes, and the captured places at the same times."""
+    own = [np.asarray(routes[str(walk.row["walk"])], dtype=float) for walk in walks]
+    times_s = score_times(np.array([curves.length(route) for route in own]))
+    tasks = [task_of(walk.row) for walk in walks]
+    traces = trace_cells(planner, own, tasks, space.cells, times_s, standing.standing_speed_m_s, time_limit_s)
+    return traces, captured_places(walks, times_s)

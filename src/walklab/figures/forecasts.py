@@ -1,0 +1,157 @@
+"""Proper scores of the forecasts of the held-out scenarios: scores, calibration, PIT."""
+
+from __future__ import annotations
+
+import numpy as np
+import pandas as pd
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.ticker import NullLocator
+
+from walklab.figures.style import (
+    BLACK,
+    DOUBLE_MM,
+    FAINT,
+    SET_COLOURS,
+    colour,
+    letter,
+    model_label,
+    new_figure,
+    require,
+    set_label,
+    styled,
+)
+
+ORACLE = "best cell of the walk's own map"
+# What a calibration plot can hold: the models in question and the baselines that come nearest.
+SHOWN = (
+    "P_Stat",
+    "P_Prob (literal)",
+    "P_Prob (calibrated)",
+    "P_Prob (extended)",
+    "P_Prob (extended), earlier walks",
+    "regression",
+    "Gaussian process",
+    "log regression, earlier walks",
+)
+DASHES = {"regression": (0, (4, 1.5)), "Gaussian process": (0, (1, 1.2)), "log regression, earlier walks": (0, (5, 1, 1, 1))}
+
+
+def line_of(model: str) -> dict[str, object]:
+    """Colour and dashes of a model's line."""
+    earlier = (0, (2, 1)) if model.startswith("P_") and "earlier" in model else "-"
+    return {"color": colour(model), "ls": DASHES.get(model, earlier), "lw": 1.4 if model.startswith("P_Prob") else 1.0}
+
+
+@styled
+def fig_forecast_scores(table: pd.DataFrame) -> Figure:
+    """CRPS and coverage of the 90 % interval per model and scenario, with intervals over participants.
+
+    Parameters
+    ----------
+    table : DataFrame[scenario, hull, model, information, crps_s, coverage_90, each with _low and _high]
+    """
+    ends = [f"{name}_{end}" for name in ("crps_s", "coverage_90") for end in ("low", "high")]
+    require(table, ["scenario", "hull", "model", "information", *ends], "fig_forecast_scores", ["crps_s", "coverage_90"])
+    rows = table[table["hull"] == "all"]
+    scenarios, models = list(dict.fromkeys(rows["scenario"])), list(dict.fromkeys(rows["model"]))
+    figure = new_figure(DOUBLE_MM, 22 + 5.6 * len(models))
+    panels = figure.subplots(1, 2, sharey=True)
+    offsets = 0.32 * (np.arange(len(scenarios)) - (len(scenarios) - 1) / 2)
+    markers = "os^v"
+    for index, (ax, measure) in enumerate(zip(panels, ("crps_s", "coverage_90"), strict=True)):
+        if measure == "coverage_90":
+            ax.axvspan(0.86, 0.94, color=FAINT, alpha=0.5, lw=0)
+            ax.axvline(0.9, color=BLACK, lw=0.7, ls=(0, (3, 2)))
+        for place, model in enumerate(models):
+            if model == ORACLE and measure == "coverage_90":
+                continue  # a single time has no interval
+            for number, scenario in enumerate(scenarios):
+                row = rows[(rows["model"] == model) & (rows["scenario"] == scenario)].iloc[0]
+                height = place + offsets[number]
+                ax.plot([row[f"{measure}_low"], row[f"{measure}_high"]], [height] * 2, color=colour(model), lw=1.1)
+                fill = colour(model) if row["information"] == "task" else "white"
+                ax.plot(row[measure], height, markers[number % 4], color=colour(model), mfc=fill, ms=4)
+        ax.set(ylim=(len(models) - 0.4, -0.6), xlabel={"crps_s": "CRPS (s)"}.get(measure, "walks inside the 90 % interval (1)"))
+        ax.tick_params(axis="y", length=0)
+        ax.grid(axis="x")
+        letter(ax, index)
+    panels[0].set_xlim(left=0)
+    panels[0].set_yticks(range(len(models)), ["best cell of own map (oracle)" if m == ORACLE else model_label(m) for m in models])
+    handles = [
+        Line2D([], [], marker=markers[number % 4], color=BLACK, ls="none", ms=4, label=set_label(scenario))
+        for number, scenario in enumerate(scenarios)
+    ]
+    handles.append(
+        Line2D([], [], marker="o", color=BLACK, mfc="white", ls="none", ms=4, label="knows earlier walks, or the walk")
+    )
+    figure.legend(handles=handles, loc="outside upper right", ncols=len(handles))
+    return figure
+
+
+@styled
+def fig_calibration(table: pd.DataFrame) -> Figure:
+    """Nominal against observed coverage per scenario, and the CRPS by exponent.
+
+    Parameters
+    ----------
+    table : DataFrame[scenario, model, quantity (coverage, crps_by_exponent), at, value]
+    """
+    require(table, ["scenario", "model", "quantity", "at"], "fig_calibration", ["value"])
+    coverage, exponents = (table[table["quantity"] == name] for name in ("coverage", "crps_by_exponent"))
+    scenarios = list(dict.fromkeys(coverage["scenario"]))
+    figure = new_figure(DOUBLE_MM, 74)
+    panels = figure.subplots(1, len(scenarios) + 1)
+    for index, scenario in enumerate(scenarios):
+        ax = panels[index]
+        ax.plot([0, 1], [0, 1], color=BLACK, lw=0.6)
+        for model in SHOWN:
+            rows = coverage[(coverage["scenario"] == scenario) & (coverage["model"] == model)]
+            if len(rows):
+                ax.plot(rows["at"], rows["value"], label=model_label(model), **line_of(model))
+        ax.set(xlim=(0, 1), ylim=(0, 1), xlabel="nominal coverage (1)", ylabel="observed coverage (1)", aspect="equal")
+        letter(ax, index, set_label(scenario))
+    figure.legend(handles=panels[0].get_lines()[1:], loc="outside lower center", ncols=4)
+    ax = panels[-1]
+    for number, (name, rows) in enumerate(exponents.groupby("scenario", sort=False)):
+        shade = BLACK if name == "training" else SET_COLOURS[(number - 1) % len(SET_COLOURS)]
+        ax.plot(rows["at"], rows["value"], "o-", color=shade, ms=2.5, label=set_label(str(name)))
+        if name == "training":
+            best = rows.iloc[int(np.argmin(rows["value"]))]
+            ax.plot(best["at"], best["value"], "o", mfc="white", mec=BLACK, ms=6)
+    ax.set(xscale="log", xlabel="exponent of the suitability (1)", ylabel="CRPS (s)", ylim=(0, None))
+    ax.set_xticks([1, 3, 10, 30, 80], ["1", "3", "10", "30", "80"], minor=False)
+    ax.xaxis.set_minor_locator(NullLocator())
+    ax.legend()
+    letter(ax, len(scenarios), "sharpness")
+    return figure
+
+
+@styled
+def fig_pit(table: pd.DataFrame) -> Figure:
+    """Histograms of the probability integral transform: level where the forecast is calibrated.
+
+    Parameters
+    ----------
+    table : DataFrame[scenario, model, quantity (pit), at (middle of the bin), value (share of the walks)]
+    """
+    require(table, ["scenario", "model", "quantity", "at"], "fig_pit", ["value"])
+    pit = table[table["quantity"] == "pit"]
+    scenarios = list(dict.fromkeys(pit["scenario"]))
+    models = [model for model in SHOWN if model in set(pit["model"])]
+    figure = new_figure(DOUBLE_MM, 22 + 26 * len(scenarios))
+    panels = figure.subplots(len(scenarios), len(models), sharex=True, sharey=True, squeeze=False)
+    for row, scenario in enumerate(scenarios):
+        for column, model in enumerate(models):
+            ax = panels[row, column]
+            shares = pit[(pit["scenario"] == scenario) & (pit["model"] == model)]
+            count = len(shares)
+            ax.bar(shares["at"], shares["value"] * count, width=0.95 / count, color=colour(model), lw=0)
+            ax.axhline(1, color=BLACK, lw=0.7, ls=(0, (3, 2)))
+            ax.set(xlim=(0, 1), xticks=[0, 1])
+            if row == 0:
+                ax.set_title(model_label(model).replace(" (", "\n(").replace(", earlier", ",\nearlier"), loc="center", fontsize=6)
+            if column == 0:
+                ax.set_ylabel(f"{set_label(scenario)}\ndensity (1)")
+    figure.supxlabel("probability integral transform of the captured travel time (1)", fontsize=7)
+    return figure

@@ -1,0 +1,51 @@
+"""Learn how sharp the density has to be from the training walks alone."""
+
+import numpy as np
+import pandas as pd
+
+from adapter import job
+from calibration_inputs import training_inputs
+from walklab.evaluation.calibration import candidate_table, choose_walks, chosen, evidence_of, extended_table
+from walklab.evaluation.calibration_files import write_calibration
+from walklab.evaluation.simulated_times import travel_times
+from walklab.randomness import generator
+from walklab.steering.interpolation import GridInterpolant
+from walklab.steering.io import read_blending_space, read_static_fit
+from walklab.steering.modes import modes
+from walklab.storage import write_table
+
+if __name__ == "__main__":
+    with job(snakemake):
+        params, files = snakemake.params, snakemake.input
+        known = training_inputs(snakemake)
+        blending, space = read_blending_space(files.space)
+        rng = generator(params.seed, int(snakemake.wildcards.replicate), "calibrate_model")
+        asked = choose_walks(known.maps.participants, params.calibrate_model["walks_per_participant"], rng)
+        model, follow = params.model, (known.standing, params.planner["time_limit_s"])
+        evidence = evidence_of(
+            known.walks,
+            known.routes,
+            known.vectors,
+            known.maps.scores,
+            params.blending_space["normalisation"],
+            blending,
+            asked,
+            known.planner,
+            space,
+            *follow,
+            model["k"],
+            model["weights"],
+        )
+        table = pd.concat([candidate_table(evidence), extended_table(evidence)], ignore_index=True)
+        write_table(table, snakemake.output.candidates)
+        write_calibration(chosen(table), snakemake.output.calibration)
+        # What P_Stat and P_Adapt are off by on training walks is their spread as forecasts.
+        grid = GridInterpolant(space.shape, model["kernel"], model["epsilon"])
+        adaptive = space.from_unit(modes(grid, grid.coefficients(evidence.suitability), *space.to_unit(space.bounds.T))[0])
+        static = np.tile(read_static_fit(files.static).optimum, (len(asked), 1))
+        walks = [known.walks[row] for row in asked]
+        residuals = pd.DataFrame({"walk": [str(walk.row["walk"]) for walk in walks], "participant": evidence.participants})
+        for name, parameters in (("static", static), ("adaptive", adaptive)):
+            times_s = travel_times(known.planner, walks, known.routes, parameters, *follow)
+            residuals[f"{name}_residual_s"] = evidence.captured_s - times_s
+        write_table(residuals, snakemake.output.residuals)

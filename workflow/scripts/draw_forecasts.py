@@ -1,0 +1,13 @@
+"""Scores, calibration and PIT of the forecasts of the held-out scenarios."""
+
+from adapter import job
+from walklab.figures.forecasts import fig_calibration, fig_forecast_scores, fig_pit
+from walklab.figures.style import save
+from walklab.storage import read_table
+
+if __name__ == "__main__":
+    with job(snakemake):
+        calibration = read_table(snakemake.input.calibration)
+        figures = (fig_forecast_scores(read_table(snakemake.input.scores)), fig_calibration(calibration), fig_pit(calibration))
+        for number, figure in enumerate(figures):
+            save(figure, *snakemake.output[2 * number : 2 * number + 2])
