@@ -170,7 +170,8 @@ def _ascent(gradient: Array, hessian: Array, free: Shape) -> Array:
     if smallest < floor:
         for a in range(len(free)):
             bent[a, a] += floor - smallest
-    step: Array = np.linalg.solve(bent, gradient.reshape(-1, 1))[:, 0].copy()  # a matrix: one vector takes longer to compile
+    step = np.empty(len(free))
+    step[:] = np.linalg.solve(bent, gradient.reshape(-1, 1))[:, 0]  # a matrix: one vector takes longer to compile
     longest = np.abs(step).max()
     if longest > 1.0:
         step /= longest
