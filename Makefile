@@ -52,7 +52,7 @@ manual: .venv/ready
 # Needs uv. --no-emit-index-url keeps addresses of package registries out of the file.
 lock:
 	uv pip compile --universal --generate-hashes --no-header --no-emit-index-url --python-version 3.11 \
-	    --extra dev pyproject.toml -o requirements.lock
+	    --extra dev --extra cluster pyproject.toml -o requirements.lock
 
 clean:
 	rm -rf results .snakemake .venv .mypy_cache .ruff_cache .pytest_cache .import_linter_cache
