@@ -3,6 +3,8 @@
 # make real     leave-one-subject-out on real walks (needs WALKLAB_DATA)
 # make test     all tests          make lint   all checks of style and structure
 # make bench    every benchmark beside its baseline: results/bench/summary.json
+# make track    log a finished run to MLflow (RUN=results/steering, URI=...)
+# make crate    pack it as a Workflow Run RO-Crate
 # make manual   config/README.md   make lock   requirements.lock
 # make clean    remove results and the environment
 
@@ -11,7 +13,7 @@ BIN := .venv/bin
 SNAKEMAKE := $(BIN)/snakemake
 export WALKLAB_DATA ?= ../shared/data
 
-.PHONY: all small real own test bench lint manual lock clean
+.PHONY: all small real own test bench track crate lint manual lock clean
 .DEFAULT_GOAL := all
 
 all: .venv/ready
@@ -30,12 +32,20 @@ own: .venv/ready
 	$(SNAKEMAKE) --configfile config/own.yaml
 	$(SNAKEMAKE) --configfile config/own.yaml --report results/own/report.html
 
-test: .venv/ready
+test: .venv/ready .venv/tracking .venv/validator/ready
 	$(BIN)/python -m pytest tests/unit tests/examples -n 2 --dist loadfile
 	$(BIN)/python -m pytest tests/workflow
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/run.py
+
+RUN ?= results/steering
+
+track: .venv/tracking
+	$(BIN)/walklab track $(RUN) $(if $(URI),--uri $(URI))
+
+crate: .venv/tracking
+	$(BIN)/walklab crate $(RUN)
 
 lint: .venv/ready
 	$(BIN)/ruff check .
@@ -53,6 +63,10 @@ manual: .venv/ready
 lock:
 	uv pip compile --universal --generate-hashes --no-header --no-emit-index-url --python-version 3.11 \
 	    --extra dev --extra cluster pyproject.toml -o requirements.lock
+	uv pip compile --universal --generate-hashes --no-header --no-emit-index-url --python-version 3.11 \
+	    --extra tracking -c requirements.lock pyproject.toml -o requirements-tracking.lock
+	printf '%s\n' rocrate roc-validator | uv pip compile --universal --generate-hashes --no-header --no-emit-index-url \
+	    --python-version 3.11 - -o tests/validator.lock
 
 clean:
 	rm -rf results .snakemake .venv .mypy_cache .ruff_cache .pytest_cache .import_linter_cache
@@ -62,4 +76,14 @@ clean:
 	$(PYTHON) -m venv .venv
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --no-build-isolation -e .
+	touch $@
+
+.venv/tracking: .venv/ready requirements-tracking.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-tracking.lock
+	touch $@
+
+# The validator of RO-Crates wants older packages than Snakemake, so it lives by itself.
+.venv/validator/ready: .venv/ready tests/validator.lock
+	$(PYTHON) -m venv .venv/validator
+	.venv/validator/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r tests/validator.lock
 	touch $@

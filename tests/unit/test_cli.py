@@ -10,7 +10,8 @@ import pandas as pd
 import pytest
 from typer.testing import CliRunner
 
-from walklab.cli.app import BAD_INPUT, app
+from walklab.cli.app import app
+from walklab.cli.errors import BAD_INPUT
 from walklab.steering.models import ProbabilisticModel
 
 ROOT = Path(__file__).parents[2]

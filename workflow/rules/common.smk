@@ -57,9 +57,15 @@ wildcard_constraints:
     scenario="|".join(SCENARIOS),
 
 
+CODE = {}  # digests by script, for the record of the run
+
+
 def code(script):
     """Digest of a rule's script and all it computes with; see walklab.code_digest."""
-    return code_digest.digest(ROOT / "workflow/scripts" / script, ROOT / "src/walklab")
+    CODE[script] = code_digest.digest(
+        ROOT / "workflow/scripts" / script, ROOT / "src/walklab"
+    )
+    return CODE[script]
 
 
 def section(*names):

@@ -92,6 +92,8 @@ rule record_run:
         config=CONFIG,
         root=os.path.relpath(ROOT),
         benchmarks=benchmarks,
+        digests=lambda wildcards: dict(CODE),
+        folder=RUN,
     script:
         "../scripts/record_run.py"
 

@@ -1,27 +1,22 @@
-"""``walklab fit``, ``sample``, ``simulate`` and ``inspect``.
+"""``walklab fit``, ``sample``, ``simulate`` and ``inspect``; what is done with runs is in :mod:`walklab.cli.runs`.
 
 What a command needs is imported when it runs, so that ``--help`` is quick and sampling loads little.
 """
 
 from __future__ import annotations
 
-import functools
-import warnings
-from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
 
+from walklab.cli import runs
+from walklab.cli.errors import plain_errors
 from walklab.errors import InputError
 
 if TYPE_CHECKING:
     from walklab.steering.probabilistic import ProbabilisticModel
-
-Command = TypeVar("Command", bound=Callable[..., None])
-
-BAD_INPUT = 2
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -36,24 +31,6 @@ Curvature = Annotated[float | None, typer.Option(help="Mean curvature of the pla
 Height = Annotated[float | None, typer.Option(help="Body height, m.")]
 StartSpeed = Annotated[float | None, typer.Option(help="Speed at the start, m/s (models that know it).")]
 Seed = Annotated[int | None, typer.Option(help="Seed of the random numbers; none: a different draw every time.")]
-
-
-def plain_errors(command: Command) -> Command:
-    """Bad input ends in one line and exit code 2; warnings are one line each."""
-
-    @functools.wraps(command)
-    def wrapped(*args: Any, **kwargs: Any) -> None:
-        try:
-            with warnings.catch_warnings(record=True) as told:
-                warnings.simplefilter("always", UserWarning)
-                command(*args, **kwargs)
-        except (InputError, OSError) as error:
-            typer.echo(f"walklab: {' '.join(str(error).split())}", err=True)
-            raise typer.Exit(BAD_INPUT) from None
-        for line in dict.fromkeys(str(warning.message) for warning in told if issubclass(warning.category, UserWarning)):
-            typer.echo(f"walklab: {line}", err=True)
-
-    return wrapped  # type: ignore[return-value]
 
 
 def _given(**dependencies: float | None) -> dict[str, float]:
@@ -200,6 +177,9 @@ def inspect(
         typer.echo(f"provenance  {name}: {value}")
     if check:
         typer.echo("checked: every number is finite")
+
+
+runs.register(app)
 
 
 def main() -> None:

@@ -144,11 +144,15 @@ def new_figure(width_mm: float, height_mm: float, constrained: bool = True) -> F
 
 def save(figure: Figure, path_svg: str | Path, path_png: str | Path, dpi: int = PNG_DPI) -> None:
     """Write a figure as SVG (text stays text) and PNG, atomically and without dates or versions."""
-    with style():
-        with atomic_path(path_svg) as temporary:
-            figure.savefig(temporary, format="svg", dpi=dpi, metadata={"Date": None, "Creator": None})
-        with atomic_path(path_png) as temporary:
-            figure.savefig(temporary, format="png", dpi=dpi, metadata={"Software": None})
+    with style(), atomic_path(path_svg) as temporary:
+        figure.savefig(temporary, format="svg", dpi=dpi, metadata={"Date": None, "Creator": None})
+    save_png(figure, path_png, dpi)
+
+
+def save_png(figure: Figure, path: str | Path, dpi: int = PNG_DPI) -> None:
+    """Write a figure as PNG alone, atomically and without the writer's version."""
+    with style(), atomic_path(path) as temporary:
+        figure.savefig(temporary, format="png", dpi=dpi, metadata={"Software": None})
 
 
 def colour(model: str) -> str:

@@ -1,0 +1,91 @@
+"""``walklab compare``, ``track`` and ``crate``: what is done with finished runs."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from walklab.cli.errors import plain_errors
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+Run = Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a finished run, such as results/steering.")]
+
+
+def register(app: typer.Typer) -> None:
+    """Add the commands to the command line."""
+    for command in (compare, track, crate):
+        app.command()(command)
+
+
+@plain_errors
+def compare(
+    before: Annotated[Path, typer.Argument(metavar="RUN_A", help="Folder (or run.json) of a finished run.")],
+    after: Annotated[Path, typer.Argument(metavar="RUN_B", help="Folder (or run.json) of another.")],
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Also draw the comparison, as this PNG.")] = None,
+    all_rows: Annotated[bool, typer.Option("--all", help="Every row, not only the largest changes.")] = False,
+) -> None:
+    """What changed from one run to another: configuration, code, versions, claims, scores, cost."""
+    from walklab.runs.comparison import compare as compared
+    from walklab.runs.io import read_record
+
+    found = compared(read_record(before), read_record(after))
+    typer.echo(f"before: {before} (run {found.names[0]})\nafter:  {after} (run {found.names[1]})")
+    rows = None if all_rows else 12
+    moved = found.scores[found.scores["difference"] != 0].dropna(subset="difference")
+    moved = moved.reindex(moved["difference"].abs().sort_values(ascending=False, kind="stable").index)
+    costs = found.cost.dropna().sort_values("before", ascending=False, kind="stable")
+    for title, table in (
+        ("configuration", found.config),
+        ("code", found.code),
+        ("versions", found.versions),
+        (f"claims (of {len(found.claims)})", found.changed_claims.drop(columns="changed")),
+        ("scores, largest change first", moved),
+    ):
+        _show(title, table, rows)
+    _show("cost, costliest stage first (s)", costs, rows, changed=False)
+    if output is not None:
+        from walklab.figures.comparison import draw_comparison
+        from walklab.figures.style import save_png
+
+        save_png(draw_comparison(found.claims, found.scores, found.cost, (str(before), str(after))), output)
+        typer.echo(f"\ndrawn in {output}")
+
+
+@plain_errors
+def track(
+    run: Run,
+    uri: Annotated[str | None, typer.Option(help="MLflow tracking URI; none: results/mlflow.db beside the run.")] = None,
+) -> None:
+    """Log a finished run to MLflow (extra walklab[tracking]); the same record is logged once."""
+    from walklab.runs.tracking import track as tracked
+
+    identity, new = tracked(run, uri)
+    typer.echo(f"{run}: {'logged' if new else 'already there'} as MLflow run {identity}")
+
+
+@plain_errors
+def crate(
+    run: Run,
+    output: Annotated[Path | None, typer.Option("--output", "-o", help="Zip file; none: RUN.crate.zip.")] = None,
+    root: Annotated[Path, typer.Option(help="The checkout that the run was made with.")] = Path(),
+) -> None:
+    """Pack a finished run as a Workflow Run RO-Crate (extra walklab[tracking])."""
+    from walklab.runs.crate import write_crate
+
+    target = output or run.parent / f"{run.name}.crate.zip"
+    typer.echo(f"{target}: {write_crate(run, root, target)} files of {run} with the workflow and its description")
+
+
+def _show(title: str, table: pd.DataFrame, rows: int | None, changed: bool = True) -> None:
+    if table.empty:
+        typer.echo(f"\n{title}: {'no change' if changed else 'nothing that both runs have'}")
+        return
+    typer.echo(f"\n{title}: {f'{len(table)} changed' if changed else f'{len(table)} stages'}")
+    shown = table if rows is None else table.head(rows)
+    typer.echo(shown.to_string(index=False, float_format=lambda value: f"{value:.4g}", max_colwidth=60))
+    if len(shown) < len(table):
+        typer.echo(f"... and {len(table) - len(shown)} more (--all)")

@@ -1,0 +1,139 @@
+"""The record of a run: configuration, code, versions, machine, results in brief, and the cost of every stage."""
+
+from __future__ import annotations
+
+import datetime
+import hashlib
+import os
+import platform
+import subprocess
+from collections.abc import Mapping, Sequence
+from importlib.metadata import distributions
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from walklab.storage import read_table
+
+CLAIM_COLUMNS = ("id", "published", "ours", "ours_low", "ours_high", "verdict")
+# What names a row of a table of scores, and what is kept of it.
+SCORE_KEYS = ("scenario", "participant", "model", "information")
+SCORE_VALUES = ("crps_s", "energy_m", "coverage_90")
+
+
+def record(
+    config: Mapping[str, Any],
+    root: str | Path,
+    benchmarks: Sequence[str],
+    code: Mapping[str, str],
+    products: Sequence[str],
+    folder: str | Path,
+) -> dict[str, Any]:
+    """Everything that is needed to tell one run from another.
+
+    Parameters
+    ----------
+    config : the completed configuration
+    root : the checkout
+    benchmarks : Snakemake's benchmark file of every job, ``.../<replicate>/<stage>/[<part>/]benchmark.tsv``
+    code : digest of what each script of the workflow computes with
+    products : files the run was made for; ``claims.csv`` and ``scores.csv`` among them are kept in brief
+    folder : the run's folder, ``results/<run>``
+
+    Returns
+    -------
+    dict with run, recorded (UTC), seed, config, commit, code, versions, machine, claims, scores, products (SHA-256 by
+    path below the folder), stages (wall time and peak memory of each job) and totals
+    """
+    stages = [stage_cost(path) for path in sorted(benchmarks)]
+    inside = sorted(path for path in map(Path, products) if path.is_relative_to(folder))
+    return {
+        "run": config["run"],
+        "recorded": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
+        "seed": config["seed"],
+        "config": dict(config),
+        "commit": commit(root),
+        "code": dict(sorted(code.items())),
+        "versions": dict(sorted((found.metadata["Name"], found.version) for found in distributions())),
+        "machine": machine(),
+        "claims": brief(Path(folder) / "claims.csv", inside, CLAIM_COLUMNS),
+        "scores": brief(Path(folder) / "scores.csv", inside, (*SCORE_KEYS, *SCORE_VALUES)),
+        "products": {path.relative_to(folder).as_posix(): sha256(path) for path in inside},
+        "stages": stages,
+        "totals": {
+            "jobs_wall_s": round(sum(stage["wall_s"] for stage in stages), 1),
+            "peak_memory_mb": max((stage["peak_memory_mb"] for stage in stages), default=0.0),
+        },
+    }
+
+
+def stage_cost(path: str | Path) -> dict[str, Any]:
+    """Wall time and peak memory of one job from its benchmark file."""
+    parts = Path(path).parts
+    replicate, stage, *part = parts[2:-1]
+    row = pd.read_csv(path, sep="\t", na_values="-").iloc[0]
+    memory_mb = row.get("max_rss", 0.0)
+    return {
+        "stage": stage,
+        "part": "/".join(part),
+        "replicate": int(replicate),
+        "wall_s": round(float(row["s"]), 2),
+        # A job shorter than the polling interval has no measured memory.
+        "peak_memory_mb": 0.0 if pd.isna(memory_mb) else round(float(memory_mb), 1),
+    }
+
+
+def brief(path: Path, products: Sequence[Path], columns: Sequence[str]) -> list[dict[str, Any]]:
+    """The named columns of a product, a dictionary per row; rows that split a score by hull are left out."""
+    if path not in products:
+        return []
+    table = read_table(path)
+    if "hull" in table:
+        table = table[table["hull"] == "all"]
+    kept = table[[name for name in columns if name in table]]
+    return [
+        {str(name): None if pd.isna(value) else value for name, value in row.items()} for row in kept.to_dict(orient="records")
+    ]
+
+
+def machine() -> dict[str, Any]:
+    """What the run was made on, without a name that would identify it."""
+    memory_bytes = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    return {
+        "platform": platform.platform(),
+        "python": platform.python_version(),
+        "processor": processor(),
+        "cores": os.cpu_count(),
+        "memory_gb": round(memory_bytes / 1e9, 1),
+    }
+
+
+def processor(source: str | Path = "/proc/cpuinfo") -> str:
+    """The processor's name as Linux tells it, else as Python knows it."""
+    try:
+        lines = Path(source).read_text().splitlines()
+    except OSError:
+        lines = []
+    named = [line.split(":", 1)[1].strip() for line in lines if line.startswith("model name")]
+    return named[0] if named else platform.processor()
+
+
+def commit(root: str | Path) -> dict[str, Any]:
+    """The commit of the checkout and whether files differ from it; empty outside of git."""
+
+    def git(*arguments: str) -> str:
+        done = subprocess.run(["git", "-C", str(root), *arguments], capture_output=True, text=True, check=False)
+        return done.stdout.strip() if done.returncode == 0 else ""
+
+    try:
+        identity = git("rev-parse", "HEAD")
+        return {"id": identity, "dirty": bool(git("status", "--porcelain"))} if identity else {}
+    except OSError:
+        return {}
+
+
+def sha256(path: str | Path) -> str:
+    """SHA-256 of a file, in hexadecimal."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
