@@ -34,6 +34,8 @@ from walklab.figures.style import (
 from walklab.geometry.plans import Plan
 
 TRACK: dict[str, Any] = {"linewidths": 0.5, "alpha": 0.15, "colors": BLACK, "rasterized": True}
+# Lighter where other walks are drawn over them; darker than an obstacle.
+UNDER = {**TRACK, "alpha": 0.12, "colors": "#8A8A8A"}
 ARROW: dict[str, Any] = {"arrowstyle": "-|>,head_width=0.14,head_length=0.28", "color": PUBLISHED, "lw": 0.8}
 DASHES: dict[str, Any] = {"Ref": "-", "P_Stat": (0, (4, 1.5)), "P_Adapt": (0, (1, 1)), "P_Prob": "-"}
 
@@ -209,7 +211,7 @@ def fig10(plans: Mapping[str, Plan], captured: Mapping[str, pd.DataFrame], simul
         require(simulated[name], ["model"], "fig10", ["time_s", "x_m", "y_m"])
         _draw_obstacles(ax, plan, names=True)
         tracks = [rows[["x_m", "y_m"]].to_numpy() for _, rows in captured[name].groupby("walk", sort=False)]
-        ax.add_collection(LineCollection(tracks, **{**TRACK, "alpha": 0.12}))
+        ax.add_collection(LineCollection(tracks, **UNDER))
         shown += _draw_simulated(ax, simulated[name])
         for station, at in plan.stations.items():
             ax.plot(*at.position_m, "s", mfc="white", mec=BLACK, ms=3.5, mew=0.8, zorder=6)
@@ -222,7 +224,7 @@ def fig10(plans: Mapping[str, Plan], captured: Mapping[str, pd.DataFrame], simul
         ax.set_aspect("equal", adjustable="datalim")
         ax.set(xlabel="x (m)", ylabel="y (m)")
         letter(ax, index, set_label(name))
-    handles = [Line2D([], [], color=BLACK, lw=0.5, alpha=0.5, label="captured walks")]
+    handles = [Line2D([], [], color=UNDER["colors"], lw=0.8, label="captured walks")]
     for model in ordered_models(shown):
         text = "captured walk, re-simulated" if model == "Ref" else model_label(model)
         handles.append(Line2D([], [], color=colour(model), ls=DASHES.get(model, "-"), lw=1.4, marker="o", ms=2.6, label=text))

@@ -111,7 +111,8 @@ def _histograms(figure: Figure, grid: Any, trials: pd.DataFrame, models: list[st
         values = trials.loc[trials["model"] == model, "abs_dt_s"].to_numpy(dtype=float)
         sns.histplot(x=values, bins=bins, stat="percent", color=colour(model), edgecolor="white", linewidth=0.3, alpha=1.0, ax=ax)
         beyond = int((values > limit).sum())
-        note = f"{model_label(model)}\n{beyond} beyond the axis" if beyond else model_label(model)
+        # In one line: a second one would lie on the axis of so low a panel.
+        note = f"{model_label(model)}, {beyond} beyond the axis" if beyond else model_label(model)
         ax.annotate(note, (0.98, 0.92), xycoords="axes fraction", ha="right", va="top")
         ax.set(ylabel="walks (%)" if row == len(models) // 2 else "", xlabel=ERROR if row == len(models) - 1 else "")
         ax.tick_params(labelbottom=row == len(models) - 1)
