@@ -56,6 +56,12 @@ def _explain(error: ValidationError) -> str:
         close = get_close_matches(str(unknown), known, n=1)
         hint = f"did you mean {close[0]!r}?" if close else f"known keys are {', '.join(known)}"
         return f"config key {path + '.' if path else ''}{unknown}: unknown; {hint}"
+    if error.validator == "pattern":
+        # A pattern is no sentence; the schema's description says it in words.
+        return f"{where}: {error.instance!r} is not allowed: {' '.join(error.schema.get('description', '').split())}"
+    if error.validator == "oneOf":
+        ways = " or ".join(" with ".join(way["required"]) for way in error.validator_value)
+        return f"{where}: give either {ways}; see config/README.md"
     unit = error.schema.get("unit") if isinstance(error.schema, dict) else None
     return f"{where}: {error.message}{f' (unit: {unit})' if unit else ''}; see config/README.md"
 

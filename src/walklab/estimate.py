@@ -6,6 +6,8 @@ from collections.abc import Mapping
 from math import prod
 from typing import Any
 
+from walklab.consistency import recorded_walks
+
 # Measured on 2 cores of a 2.6 GHz EPYC; indications, not promises (results/<run>/run.json has a run's own).
 SECONDS_PER_RUN = 150.0
 SECONDS_PER_TRAINING_WALK = 0.02
@@ -47,10 +49,7 @@ def estimate(config: Mapping[str, Any], walks_per_set: int, cores: int) -> str:
 
 def training_walks(config: Mapping[str, Any]) -> int:
     """Walks out of experiment 1, the flawed ones included, in all replicates."""
-    design = config["record_training"]
-    straight = len(design["straight_distances_m"]) * design["straight_repetitions"]
-    turning = len(design["turning_angles_deg"]) * len(design["turning_distances_m"]) * design["turning_repetitions"]
-    return config["replicates"] * config["participants"]["training"]["count"] * (straight + turning)
+    return config["replicates"] * recorded_walks(config)
 
 
 def _minutes(core_seconds: float, cores: int) -> str:

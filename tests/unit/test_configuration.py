@@ -51,11 +51,13 @@ def with_value(config: dict, path: str, value: object) -> dict:
         ("model.k", "many", "model.k: 'many' is not of type 'integer'"),
         ("model.k", 0, "model.k: 0 is less than the minimum"),
         ("body.radius_m", -0.2, "body.radius_m.*unit: m"),
+        ("body.radius_m", 25, "body.radius_m: 25 is greater than the maximum of 1 .unit: m"),
         ("dependencies.names", ["length", "mood"], r"dependencies.names.1.*'mood' is not one of"),
-        ("run", "My Run", "run: 'My Run' does not match"),
+        ("run", "My Run", "run: 'My Run' is not allowed: Name of the run, of lower-case letters"),
         ("record_training.turning_angles_deg", [30], "record_training.turning_angles_deg.0"),
         ("participants.training.height_m", {"mean": 1.7}, "participants.training.height_m: 'sd' is a required property"),
-        ("space", [{"name": "v", "unit": "m/s"}], "space.0"),
+        ("space", [{"name": "v", "unit": "m/s"}], "space.0: give either start with step with count or values"),
+        ("sweep_neighbours.k", [10, 10], "sweep_neighbours.k.*non-unique"),
         ("planner.step_s", 0, "planner.step_s"),
     ],
 )
@@ -82,6 +84,7 @@ OWN_KEYWORDS = {"unit", "leaf"}
 KEYWORDS = {
     "$schema", "$ref", "$defs", "title", "description", "type", "properties", "required", "additionalProperties", "default",
     "enum", "items", "minItems", "maxItems", "minimum", "maximum", "exclusiveMinimum", "exclusiveMaximum", "pattern", "oneOf",
+    "uniqueItems",
 }  # fmt: skip
 
 

@@ -14,7 +14,8 @@ CONFIGS = {
     "unknown section": ({"modell": {"k": 3}}, "config key modell: unknown; did you mean 'model'"),
     "unknown key": ({"model": {"neighbors": 3}}, "config key model.neighbors: unknown"),
     "ill-typed": ({"model": {"k": "all"}}, "config key model.k: 'all' is not of type 'integer'"),
-    "out of range": ({"body": {"radius_m": -1}}, "config key body.radius_m"),
+    "another unit": ({"body": {"radius_m": 25}}, "config key body.radius_m: 25 is greater than the maximum of 1 (unit: m)"),
+    "no fit": ({"record_scenario": {"sets": [1, 1, 1, 1]}}, "config key record_scenario.sets: 4 numbers for 3 participants"),
     "no such plan view": (
         {"scenarios": {"scenario_1": "config/scenes/nowhere.yaml"}},
         "config key scenarios.scenario_1: config/scenes/nowhere.yaml does not exist",

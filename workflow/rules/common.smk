@@ -8,6 +8,7 @@ from snakemake.exceptions import WorkflowError
 
 from walklab import code_digest, job_environment
 from walklab.configuration import complete, load_schema
+from walklab.consistency import require_consistent
 from walklab.errors import InputError
 from walklab.estimate import estimate
 from walklab.geometry.plans import load_plan
@@ -19,9 +20,11 @@ job_environment.prepare(ROOT)
 def completed(config):
     """The configuration with all defaults, or one message."""
     try:
-        return complete(
+        whole = complete(
             config, load_schema(ROOT / "workflow/schemas/config.schema.yaml")
         )
+        require_consistent(whole)
+        return whole
     except InputError as error:
         raise WorkflowError(f"{error}") from None
 
