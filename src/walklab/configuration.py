@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator, Mapping
+import os
+from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
@@ -64,6 +65,35 @@ def _explain(error: ValidationError) -> str:
         return f"{where}: give either {ways}; see config/README.md"
     unit = error.schema.get("unit") if isinstance(error.schema, dict) else None
     return f"{where}: {error.message}{f' (unit: {unit})' if unit else ''}; see config/README.md"
+
+
+def named_paths(config: Mapping[str, Any]) -> dict[str, str]:
+    """Every file or folder that a completed configuration names, by its key, with variables replaced."""
+    named = {f"scenarios.{name}": path for name, path in config["scenarios"].items()}
+    if config["source"]["kind"] != "synthetic":
+        named["source.path"] = config["source"]["path"] or ""
+        named |= {f"source.plans.{index}": path for index, path in enumerate(config["source"]["plans"])}
+    return {key: os.path.expandvars(path) for key, path in named.items()}
+
+
+def check_path(key: str, path: str | Path, allowed: Iterable[str | Path]) -> None:
+    """Refuse a named file that does not exist or, links followed, lies in none of the allowed folders.
+
+    A configuration from somebody else must not be able to make a run read, and then report, any file of its user.
+
+    Raises
+    ------
+    InputError
+        One line with the key, the path and what to do.
+    """
+    found = Path(path)
+    if str(path) in {"", "."} or not found.exists():
+        raise InputError(f"config key {key}: {path or 'null'} does not exist; correct the path (or set WALKLAB_DATA)")
+    if not any(found.resolve().is_relative_to(Path(folder).resolve()) for folder in allowed):
+        raise InputError(
+            f"config key {key}: {path} lies outside of the working folder and of WALKLAB_DATA; "
+            "move it there, or set allow_outside_paths: true if you trust this configuration"
+        )
 
 
 def manual(schema: Mapping[str, Any]) -> str:

@@ -3,11 +3,8 @@
 SYNTHETIC = CONFIG["source"]["kind"] == "synthetic"
 TURNS = [f"turn_{angle}" for angle in CONFIG["record_training"]["turning_angles_deg"]]
 WALKS = "extract_training" if SYNTHETIC else "import_walks"
-TRAINING_PLANS = (
-    expand("config/scenes/{turn}.yaml", turn=TURNS)
-    if SYNTHETIC
-    else CONFIG["source"]["plans"]
-)
+TURN_PLANS = [shipped(f"config/scenes/{turn}.yaml") for turn in TURNS]
+TRAINING_PLANS = TURN_PLANS if SYNTHETIC else CONFIG["source"]["plans"]
 
 
 rule draw_participants:
@@ -27,7 +24,7 @@ rule draw_participants:
 rule record_training:
     input:
         participants=rules.draw_participants.output.participants,
-        plans=expand("config/scenes/{turn}.yaml", turn=TURNS),
+        plans=TURN_PLANS,
     output:
         recording=stage("record_training", "recording.parquet", "shard"),
         truth=stage("record_training", "truth.parquet", "shard"),

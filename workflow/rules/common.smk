@@ -1,27 +1,35 @@
 """What every rule shares: configuration, wildcards, code digests, names of files."""
 
 import os
-import sys
 from pathlib import Path
 
+import yaml
 from snakemake.exceptions import WorkflowError
+from snakemake.utils import update_config
 
 from walklab import code_digest, job_environment
-from walklab.configuration import complete, load_schema
+from walklab.configuration import check_path, complete, load_schema, named_paths
 from walklab.consistency import require_consistent
 from walklab.errors import InputError
 from walklab.estimate import estimate
 from walklab.geometry.plans import load_plan
 
-ROOT = Path(workflow.basedir)
+# The checkout, also when the workflow is a module of another one.
+ROOT = Path(workflow.current_basedir.get_path_or_uri(secret_free=True)).parents[1]
+if not ROOT.is_dir():
+    raise WorkflowError(
+        f"{ROOT}: walklab needs a local checkout; clone it and name its Snakefile"
+    )
 job_environment.prepare(ROOT)
 
 
 def completed(config):
-    """The configuration with all defaults, or one message."""
+    """The configuration over that of the paper, with all defaults, or one message."""
+    whole = yaml.safe_load((ROOT / "config/config.yaml").read_text())
+    update_config(whole, config)
     try:
         whole = complete(
-            config, load_schema(ROOT / "workflow/schemas/config.schema.yaml")
+            whole, load_schema(ROOT / "workflow/schemas/config.schema.yaml")
         )
         require_consistent(whole)
         return whole
@@ -29,26 +37,31 @@ def completed(config):
         raise WorkflowError(f"{error}") from None
 
 
+def shipped(path):
+    """A file that comes with walklab: as it is named, or in the checkout when another workflow uses walklab."""
+    return path if Path(path).exists() else str(ROOT / path)
+
+
 def check_files(config):
-    """Stop before anything runs if a file that the configuration names is not there."""
-    named = {f"scenarios.{name}": path for name, path in config["scenarios"].items()}
-    if config["source"]["kind"] != "synthetic":
-        named["source.path"] = os.path.expandvars(config["source"]["path"] or "")
-        named |= {
-            f"source.plans.{index}": path
-            for index, path in enumerate(config["source"]["plans"])
-        }
-    for key, path in named.items():
-        if not Path(path).exists():
-            raise WorkflowError(
-                f"config key {key}: {path or 'null'} does not exist; correct the path (or set WALKLAB_DATA)"
-            )
+    """Stop before anything runs if a file that the configuration names is not there, or is none of its business."""
+    allowed = [Path.cwd(), ROOT, os.environ["WALKLAB_DATA"]]
+    if config["allow_outside_paths"]:
+        allowed = ["/"]
+    try:
+        for key, path in named_paths(config).items():
+            check_path(key, path, allowed)
+    except InputError as error:
+        raise WorkflowError(f"{error}") from None
 
 
 CONFIG = completed(config)
+CONFIG["scenarios"] = {
+    name: shipped(path) for name, path in CONFIG["scenarios"].items()
+}
 check_files(CONFIG)
 config.update(CONFIG)  # what the report's text sees
 RUN = f"results/{CONFIG['run']}"
+PAPER = shipped("config/papers/agethen_steering.yaml")
 REPLICATES = range(CONFIG["replicates"])
 SHARDS = range(CONFIG["shards"])
 SCENARIOS = list(CONFIG["scenarios"])
@@ -91,7 +104,7 @@ def assumption_sources():
     """Every file that may state an assumption."""
     folders = ("src/walklab", "workflow", "config")
     return sorted(
-        str(path.relative_to(ROOT))
+        os.path.relpath(path)
         for folder in folders
         for path in (ROOT / folder).rglob("*")
         if path.suffix in {".py", ".smk", ".yaml"}

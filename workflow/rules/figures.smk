@@ -1,7 +1,5 @@
 """Figures of replicate 0, each the counterpart of one of the paper's."""
 
-PAPER = "config/papers/agethen_steering.yaml"
-
 TRAINING = {
     "walks": expand(first(stage(WALKS, "walks.parquet", "shard")), shard=SHARDS),
     "samples": expand(first(stage(WALKS, "samples.parquet", "shard")), shard=SHARDS),

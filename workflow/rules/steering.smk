@@ -7,7 +7,7 @@ rule plan_training:
     input:
         walks=stage(WALKS, "walks.parquet", "shard"),
         samples=stage(WALKS, "samples.parquet", "shard"),
-        plans=expand("config/scenes/{turn}.yaml", turn=TURNS),
+        plans=TURN_PLANS,
     output:
         routes=stage("plan_training", "routes.parquet", "shard"),
         vectors=stage("plan_training", "vectors.parquet", "shard"),

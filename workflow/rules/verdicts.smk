@@ -3,7 +3,7 @@
 
 rule check_claims:
     input:
-        paper="config/papers/agethen_steering.yaml",
+        paper=PAPER,
         optimum=first(rules.fit_static.output.optimum),
         description=expand(
             first(rules.compare_models.output.description), scenario=SCENARIOS
@@ -38,7 +38,7 @@ rule check_claims:
 
 rule list_assumptions:
     input:
-        paper="config/papers/agethen_steering.yaml",
+        paper=PAPER,
         sources=assumption_sources(),
     output:
         assumptions=f"{RUN}/tables/assumptions.csv",
