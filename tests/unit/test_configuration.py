@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from walklab.configuration import complete, load_schema, manual
+from walklab.configuration import check_path, complete, load_schema, manual, named_paths
 from walklab.errors import InputError
 
 ROOT = Path(__file__).parents[2]
@@ -98,3 +98,31 @@ def unknown_keywords(schema: object) -> set[str]:
 def test_the_schema_uses_known_keywords_only():
     assert unknown_keywords(SCHEMA) == set()
     assert unknown_keywords({"properties": {"x": {"type": "string", "typo) and more": None}}}) == {"typo) and more"}
+
+
+def test_a_named_file_outside_of_the_allowed_folders_is_refused(tmp_path):
+    inside, outside = tmp_path / "work", tmp_path / "elsewhere"
+    for folder in (inside, outside):
+        folder.mkdir()
+        (folder / "walks.csv").write_text("x")
+    (inside / "link.csv").symlink_to(outside / "walks.csv")
+    check_path("source.path", inside / "walks.csv", [inside])
+    check_path("source.path", outside / "walks.csv", [inside, "/"])
+    for path in (outside / "walks.csv", inside / "../elsewhere/walks.csv", inside / "link.csv"):
+        with pytest.raises(InputError, match=r"config key source\.path: .* lies outside .*allow_outside_paths"):
+            check_path("source.path", path, [inside])
+
+
+@pytest.mark.parametrize("path", ["", "absent.csv"])
+def test_a_named_file_that_is_not_there_is_told(tmp_path, path):
+    with pytest.raises(InputError, match=r"config key source\.path: .* does not exist"):
+        check_path("source.path", path, ["/"])
+
+
+def test_every_named_file_is_known(monkeypatch):
+    monkeypatch.setenv("WALKLAB_DATA", "/data")
+    config = complete(paper() | {"source": {"kind": "table", "path": "$WALKLAB_DATA/w.csv", "plans": ["a.yaml"]}}, SCHEMA)
+    named = named_paths(config)
+    assert named["source.path"] == "/data/w.csv"
+    assert named["source.plans.0"] == "a.yaml"
+    assert set(named) == {"scenarios.scenario_1", "scenarios.scenario_2", "source.path", "source.plans.0"}

@@ -21,6 +21,11 @@ CONFIGS = {
         "config key scenarios.scenario_1: config/scenes/nowhere.yaml does not exist",
     ),
     "no such walks": ({"source": {"kind": "table", "path": "absent.csv"}}, "config key source.path: absent.csv does not exist"),
+    "a file of the user's that is none of its business": (
+        {"source": {"kind": "table", "path": "/etc/passwd"}},
+        "config key source.path: /etc/passwd lies outside of the working folder",
+    ),
+    "a run name that would leave the results": ({"run": "../../elsewhere"}, "config key run"),
     "unknown planner": ({"planner": {"name": "teleport"}}, "teleport"),
     "unknown parameter": ({"space": [{"name": "w", "unit": "-", "values": [1, 2]}]}, "'w'"),
 }

@@ -39,7 +39,8 @@ def completed(config):
 
 def shipped(path):
     """A file that comes with walklab: as it is named, or in the checkout when another workflow uses walklab."""
-    return path if Path(path).exists() else str(ROOT / path)
+    elsewhere = not Path(path).exists() and (ROOT / path).exists()
+    return str(ROOT / path) if elsewhere else path
 
 
 def check_files(config):
