@@ -18,19 +18,19 @@ export WALKLAB_DATA ?= ../shared/data
 
 all: .venv/ready
 	$(SNAKEMAKE)
-	$(SNAKEMAKE) --report results/steering/report.html
+	$(SNAKEMAKE) --report results/steering/snakemake_report.zip
 
 small: .venv/ready
 	$(SNAKEMAKE) --configfile config/small.yaml
-	$(SNAKEMAKE) --configfile config/small.yaml --report results/small/report.html
+	$(SNAKEMAKE) --configfile config/small.yaml --report results/small/snakemake_report.zip
 
 real: .venv/ready
 	$(SNAKEMAKE) --configfile config/cmu.yaml
-	$(SNAKEMAKE) --configfile config/cmu.yaml --report results/cmu/report.html
+	$(SNAKEMAKE) --configfile config/cmu.yaml --report results/cmu/snakemake_report.zip
 
 own: .venv/ready
 	$(SNAKEMAKE) --configfile config/own.yaml
-	$(SNAKEMAKE) --configfile config/own.yaml --report results/own/report.html
+	$(SNAKEMAKE) --configfile config/own.yaml --report results/own/snakemake_report.zip
 
 test: .venv/ready .venv/tracking .venv/validator/ready
 	$(BIN)/python -m pytest tests/unit tests/examples -n 2 --dist loadfile

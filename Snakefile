@@ -12,6 +12,7 @@ include: "workflow/rules/forecasts.smk"
 include: "workflow/rules/verdicts.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/record.smk"
+include: "workflow/rules/report.smk"
 
 
 report: "workflow/report/workflow.rst"
@@ -22,3 +23,4 @@ rule all:
     input:
         STEERING if SYNTHETIC else REAL,
         f"{RUN}/run.json",
+        rules.build_report.output,

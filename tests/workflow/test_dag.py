@@ -15,7 +15,7 @@ TINY = ("--configfile", "tests/workflow/tiny.yaml")
 
 
 # What reads the comments of the sources, and what follows.
-LISTING = {"list_assumptions", "render_tables", "record_run", "all"}
+LISTING = {"list_assumptions", "render_tables", "record_run", "build_report", "all"}
 
 
 def jobs(output: str) -> set[str]:
@@ -53,6 +53,7 @@ def test_the_whole_study_leaves_every_figure_table_and_record(finished):
     claims = pd.read_csv(results / "claims.csv")
     assert {"id", "section", "statement", "published", "ours", "verdict", "note"} <= set(claims)
     assert len(claims) > 50
+    assert "<h1>" in (results / "report.html").read_text()
     run = json.loads((results / "run.json").read_text())
     stages = {stage["stage"] for stage in run["stages"]}
     assert {"score_maps", "simulate_trials"} <= stages

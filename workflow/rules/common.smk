@@ -112,6 +112,12 @@ def assumption_sources():
     )
 
 
+def report_assets():
+    """Templates, style and script of the report: not Python, so code() does not see them."""
+    assets = (ROOT / "src/walklab/report/assets").rglob("*.*")
+    return sorted(os.path.relpath(path) for path in assets)
+
+
 def announce():
     """One paragraph before the run: what it computes, about how long and how much disk it takes."""
     walks_per_set = sum(
@@ -126,8 +132,17 @@ def source_files(wildcards):
     return sorted(map(str, path.rglob("*.a[sm][fc]"))) if path.is_dir() else str(path)
 
 
+# Every declared figure: name -> category, drawing and caption; what build_report shows.
+FIGURES = {}
+
+
 def figure(name, category, caption=None):
-    """A figure as SVG, which the report shows, and PNG."""
+    """A figure as SVG, which the report shows, and PNG. The category decides on its section (walklab.report.sections)."""
+    FIGURES[name] = {
+        "category": category,
+        "drawing": f"{RUN}/figures/{name}.svg",
+        "caption": os.path.relpath(ROOT / f"workflow/report/{caption or name}.rst"),
+    }
     caption = f"../report/{caption or name}.rst"
     shown = report(
         f"{RUN}/figures/{name}.svg",

@@ -103,4 +103,4 @@ onstart:
 
 
 onsuccess:
-    print(f"Results are in {RUN}/. Next: snakemake --report {RUN}/report.html")
+    print(f"The report is {RUN}/report.html, all results are in {RUN}/.")

@@ -8,5 +8,10 @@ import yaml
 
 def published(path: str) -> tuple[dict[str, Any], dict[str, Any]]:
     """The ``inputs`` and the ``claims`` of a paper."""
-    paper = yaml.safe_load(Path(path).read_text())
+    paper = whole_paper(path)
     return paper["inputs"], paper["claims"]
+
+
+def whole_paper(path: str) -> dict[str, Any]:
+    """Everything that is noted of a paper."""
+    return yaml.safe_load(Path(path).read_text())

@@ -47,14 +47,15 @@ def _cell(column: str, value: object) -> str:
         text = "" if _missing(value) else str(value)
         kind = ' class="long"' if len(text) > LONG_TEXT else ""
         return f"<td{kind}>{escape(text)}</td>"
-    return f'<td class="number">{_number(value)}</td>'
+    return f'<td class="number">{number_text(value)}</td>'
 
 
 def _missing(value: object) -> bool:
     return value is None or (isinstance(value, float) and value != value)
 
 
-def _number(value: float) -> str:
+def number_text(value: float) -> str:
+    """Four significant digits; whole numbers without a point; nothing for no number."""
     if _missing(value):
         return ""
     return f"{value:.4g}" if isinstance(value, float) and not value.is_integer() else f"{value:.0f}"

@@ -1,0 +1,139 @@
+"""The report as one HTML page that needs nothing but itself.
+
+Every value goes through jinja2's escaping: names and texts of a run are data, never markup. A content security policy lets
+the page run its own script and style, known by their digests, and fetch nothing.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from collections.abc import Mapping
+from functools import cache
+from importlib.resources import files
+from typing import Any
+
+import jinja2
+import yaml
+from markupsafe import Markup
+
+from walklab.figures.claims import VERDICTS
+from walklab.figures.pages import number_text
+from walklab.figures.style import MODEL_COLOURS, OTHER_MODEL
+from walklab.report.contents import Contents
+from walklab.report.published import Comparison, beside_figure, beside_table, claimed
+from walklab.report.sections import SECTIONS, Section, placed, tables_of
+from walklab.report.tables import Table, cell_of, medians, table_of, verdict_counts, with_interval
+
+STYLES = ("style.css", "widgets.css", "print.css")
+SCRIPTS = ("theme.js", "tables.js", "drawing.js", "maps.js", "walks.js")
+LONG_TABLE = 12  # rows; a longer or wider table is folded away until it is asked for
+WIDE_TABLE = 10  # columns
+
+
+@cache
+def asset(name: str) -> str:
+    """A file that ships with the report."""
+    return (files("walklab.report") / "assets" / name).read_text()
+
+
+def environment() -> jinja2.Environment:
+    """Templates with escaping on and no silent blanks."""
+    found = jinja2.Environment(
+        loader=jinja2.FunctionLoader(asset),
+        autoescape=True,
+        undefined=jinja2.StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    found.filters |= {"number": number_text, "interval": with_interval, "label": label, "cell": cell_of}
+    return found
+
+
+def label(name: str) -> Markup | str:
+    """``P_Prob (calibrated)`` with its index set low."""
+    head, _, rest = name.partition(" ")
+    base, _, index = head.partition("_")
+    if base != "P" or not index:
+        return name.replace("_", " ")
+    return Markup("P<sub>{}</sub>{}").format(index, f" {rest}" if rest else "")
+
+
+def render(contents: Contents) -> str:
+    """The page."""
+    style = "\n".join(asset(name) for name in STYLES)
+    script = "\n".join(asset(name) for name in SCRIPTS)
+    allowed = f"img-src data:; style-src {_digest(style)}; script-src {_digest(script)}"
+    policy = f"default-src 'none'; {allowed}; base-uri 'none'; form-action 'none'"
+    frames = contents.frames
+    descriptions = {name.removeprefix("description_"): frame for name, frame in frames.items() if _describes(name)}
+    return (
+        environment()
+        .get_template("report.html")
+        .render(
+            policy=policy,
+            style=Markup(style),
+            script=Markup(script),
+            record=contents.record,
+            configuration=yaml.safe_dump(dict(contents.record["config"]), sort_keys=False, allow_unicode=True),
+            synthetic=contents.record["config"]["source"]["kind"] == "synthetic",
+            paper=contents.paper,
+            sections=[_section(section, contents) for section in SECTIONS],
+            present=set(frames) | set(contents.figures),
+            medians=medians(descriptions, contents.paper) if contents.paper else [],
+            verdicts=verdict_counts(frames.get("claims"), list(VERDICTS)),
+            marks=VERDICT_MARKS,
+            long_table=LONG_TABLE,
+            wide_table=WIDE_TABLE,
+            data={
+                "maps": contents.maps,
+                "scenes": contents.scenes,
+                "colours": {**MODEL_COLOURS, "": OTHER_MODEL},
+            },
+        )
+    )
+
+
+# Shape and word, so that a verdict can be told without colour; the shapes are those of the figure of claims.
+VERDICT_MARKS = {"reproduced": "●", "partly": "▲", "not reproduced": "✕", "not checkable": "■"}
+
+
+def _describes(name: str) -> bool:
+    return name.startswith("description_") and not name.startswith("description_by_hull")
+
+
+def _digest(text: str) -> str:
+    return f"'sha256-{base64.b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
+
+
+def _section(section: Section, contents: Contents) -> dict[str, Any]:
+    """A section with what the run has of it."""
+    frames, config = contents.frames, contents.record["config"]
+    shown = placed({name: figure.category for name, figure in contents.figures.items()})[section.key]
+    return {
+        "key": section.key,
+        "title": section.title,
+        "interactive": section.interactive,
+        "figures": [
+            {
+                "figure": contents.figures[name],
+                "title": figure_title(name),
+                "comparisons": beside_figure(name, contents.paper, frames, config) if contents.paper else [],
+            }
+            for name in shown
+        ],
+        "tables": [_table(name, contents) for name in tables_of(section, list(contents.tables))],
+        "all_claims": claimed(frames.get("claims"), ("",)) if section.key == "verdicts" else [],
+    }
+
+
+def _table(name: str, contents: Contents) -> Mapping[str, Any]:
+    found = contents.tables[name]
+    table: Table = table_of(found.frame, name, found.title, found.file)
+    comparisons: list[Comparison] = beside_table(name, contents.frames)
+    return {"table": table, "comparisons": comparisons}
+
+
+def figure_title(name: str) -> str:
+    """``fig03`` as Figure 3, any other figure by its name."""
+    return f"Figure {int(name[3:])}" if name.startswith("fig") and name[3:].isdigit() else name.replace("_", " ").capitalize()

@@ -1,0 +1,105 @@
+"""Tables as the report shows them: a value and its interval in one cell, units in brackets, four significant digits."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import pandas as pd
+
+from walklab.figures.pages import number_text
+
+LONG_TEXT = 40
+UNITS = {"_1_m": "1/m", "_km": "km", "_ms": "ms", "_s": "s", "_m": "m", "_percent": "%"}
+# A column and those with its interval, beside `x`, `x_low`, `x_high`.
+INTERVALS = {"value": ("low", "high"), "estimate_s": ("low_s", "high_s"), "increase_s": ("increase_low", "increase_high")}
+
+
+@dataclass(frozen=True)
+class Cell:
+    """One cell: what is read, what it sorts by, and how it is set (``number``, ``text``, ``long``)."""
+
+    text: str
+    sort: str
+    kind: str
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table to be set: headings and rows of cells; ``file`` is where its data stand."""
+
+    name: str
+    title: str
+    file: str
+    headings: tuple[str, ...]
+    rows: tuple[tuple[Cell, ...], ...]
+
+
+def heading(column: str) -> str:
+    """``mean_difference_s`` as ``mean difference (s)``."""
+    for ending, unit in UNITS.items():
+        if column.endswith(ending) and len(column) > len(ending):
+            return f"{column.removesuffix(ending).replace('_', ' ')} ({unit})"
+    return column.replace("_", " ")
+
+
+def table_of(frame: pd.DataFrame, name: str, title: str, file: str) -> Table:
+    """A table without its empty columns, intervals beside their values."""
+    filled = [str(column) for column in frame.columns if frame[column].notna().any()]
+    ends = {column: found for column in filled if (found := _interval(column, filled))}
+    inner = {end for pair in ends.values() for end in pair}
+    columns = [column for column in filled if column not in inner]
+    rows = tuple(
+        tuple(cell_of(row[column], *(row[end] for end in ends.get(column, ()))) for column in columns)
+        for row in frame.to_dict("records")
+    )
+    return Table(name, title, file, tuple(heading(c) + (" [95 %]" if c in ends else "") for c in columns), rows)
+
+
+def _interval(column: str, columns: Iterable[str]) -> tuple[str, str] | None:
+    low, high = INTERVALS.get(column, (f"{column}_low", f"{column}_high"))
+    return (low, high) if {low, high} <= set(columns) else None
+
+
+def cell_of(value: Any, low: Any = None, high: Any = None) -> Cell:
+    """A number with its interval, or a text; nothing where there is no value."""
+    if _missing(value):
+        return Cell("", "", "text")
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        text = ("yes" if value else "no") if isinstance(value, bool) else str(value)
+        return Cell(text, text, "long" if len(text) > LONG_TEXT else "text")
+    return Cell(with_interval(value, low, high), repr(float(value)), "number")
+
+
+def with_interval(value: float, low: Any = None, high: Any = None) -> str:
+    """``0.15 [0.13, 0.22]``, or the value alone."""
+    if _missing(value):
+        return ""
+    text = number_text(value)
+    return text if _missing(low) or _missing(high) else f"{text} [{number_text(low)}, {number_text(high)}]"
+
+
+def _missing(value: Any) -> bool:
+    return value is None or (isinstance(value, float) and value != value)
+
+
+def medians(descriptions: Mapping[str, pd.DataFrame], paper: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Median travel-time error of each model in each scenario, ours and published: what the report opens with."""
+    rows = []
+    for scenario, frame in descriptions.items():
+        stated: Mapping[str, Any] = paper["claims"].get(f"{scenario}_abs_dt_s", {})
+        for row in frame.to_dict("records"):
+            published = stated.get(row["model"], {}).get("median")
+            rows.append(
+                {"scenario": scenario.replace("_", " "), "model": row["model"], "ours": row["median"], "published": published}
+            )
+    return rows
+
+
+def verdict_counts(claims: pd.DataFrame | None, order: Sequence[str]) -> list[tuple[str, int]]:
+    """How often each verdict was given."""
+    if claims is None:
+        return []
+    counts = claims["verdict"].value_counts()
+    return [(name, int(counts.get(name, 0))) for name in order]
