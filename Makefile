@@ -32,9 +32,9 @@ own: .venv/ready
 	$(SNAKEMAKE) --configfile config/own.yaml
 	$(SNAKEMAKE) --configfile config/own.yaml --report results/own/snakemake_report.zip
 
+# One call, the longest files first: while a test of the DAG waits for a job, another worker uses the other core.
 test: .venv/ready .venv/tracking .venv/validator/ready
-	$(BIN)/python -m pytest tests/unit tests/examples -n 2 --dist loadfile
-	$(BIN)/python -m pytest tests/workflow
+	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples -n 2 --dist loadfile --no-loadscope-reorder
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/run.py

@@ -128,11 +128,16 @@ def _distributions() -> dict[str, list[str]]:
     return dict(packages_distributions())
 
 
+@lru_cache(maxsize=1024)
+def _version(package: str) -> str:
+    return version(package)  # reads the whole metadata of the package
+
+
 def _versions(names: set[str]) -> dict[str, str]:
     """Versions of the distributions behind third-party imports; the standard library has none."""
     known = _distributions()
     return {
-        re.sub(r"[-_.]+", "-", package).lower(): version(package)
+        re.sub(r"[-_.]+", "-", package).lower(): _version(package)
         for name in names
         if name != PACKAGE
         for package in known.get(name, [])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import hashlib
 import os
 import shutil
@@ -88,9 +89,16 @@ def project(tmp_path: Path) -> Project:
 
 @pytest.fixture(scope="session")
 def finished(tmp_path_factory: pytest.TempPathFactory) -> Project:
-    """A copy in which the tiny study has run to its end; tests that change it take a copy of it."""
-    project = copy_project(tmp_path_factory.mktemp("finished"))
-    project.run("--cores", "2", "--configfile", "tests/workflow/tiny.yaml")
+    """A copy in which the tiny study has run to its end, once for all workers; tests that change it take a copy of it."""
+    base = tmp_path_factory.getbasetemp()
+    if "PYTEST_XDIST_WORKER" in os.environ:
+        base = base.parent  # that of a worker lies inside the one of all
+    project = Project(base / "finished")
+    with open(base / "finished.lock", "w") as lock:
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        if not project.folder.exists():
+            copy_project(project.folder).run("--cores", "2", "--configfile", "tests/workflow/tiny.yaml")
+    assert (project.folder / "results/tiny/run.json").exists(), "the tiny study has failed in another worker"
     return project
 
 
