@@ -179,6 +179,18 @@ def inspect(
         typer.echo("checked: every number is finite")
 
 
+@app.command()
+@plain_errors
+def migrate(
+    model: ModelFile,
+    output: Annotated[Path, typer.Option("--output", "-o", help="Model file to write.")],
+) -> None:
+    """Bring a model file of an earlier version up to the present one."""
+    from walklab.steering.model_migration import migrate_model
+
+    typer.echo(f"{output}: migrated from version {migrate_model(model, output)}")
+
+
 runs.register(app)
 
 

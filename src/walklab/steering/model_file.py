@@ -85,7 +85,7 @@ def read_model(path: str | Path, check_all: bool = True) -> ProbabilisticModel:
     """
     tensors, header = open_tensors(path)
     if not isinstance(header, dict) or header.get("format") != FORMAT or header.get("version") != VERSION:
-        raise InputError(f"{path}: not a {FORMAT} of version {VERSION}; train the model again")
+        raise InputError(f"{path}: not a {FORMAT} of version {VERSION}; use `walklab migrate`, or train the model again")
     try:
         return _assemble(tensors, header, check_all)
     except (KeyError, TypeError, ValueError) as error:  # InputError is a ValueError: its line gets the file's name here
