@@ -21,6 +21,7 @@ STEERING = [
     ),
     f"{RUN}/figures/dependency_clouds.svg",
     f"{RUN}/figures/claims.svg",
+    f"{RUN}/model_card.md",
     f"{RUN}/claims.csv",
     f"{RUN}/scores.csv",
     f"{RUN}/calibration.csv",
@@ -37,7 +38,7 @@ REAL = [
     f"{RUN}/figures/scores.svg",
     f"{RUN}/figures/fig05.svg",
     f"{RUN}/figures/fig06.svg",
-    first(rules.train_model.output.model),
+    f"{RUN}/model_card.md",
 ]
 
 
@@ -78,6 +79,24 @@ else:
             first(stage("publish_scores", "benchmark.tsv"))
         shell:
             "{{ cp {input.scores} {output.scores} && cp {input.summary} {output.summary}; }} 2> {log}"
+
+
+rule describe_model:
+    input:
+        model=first(rules.train_model.output.model),
+        scores=f"{RUN}/scores.csv" if SYNTHETIC else f"{RUN}/summary.csv",
+    output:
+        model=f"{RUN}/model.safetensors",
+        card=f"{RUN}/model_card.md",
+    log:
+        first(stage("describe_model", "log.txt")),
+    benchmark:
+        first(stage("describe_model", "benchmark.tsv"))
+    params:
+        **section("run", "source"),
+        code=code("describe_model.py"),
+    script:
+        "../scripts/describe_model.py"
 
 
 rule record_run:

@@ -22,11 +22,12 @@ PROFILES = {
 }
 LICENSE = "https://spdx.org/licenses/MIT"
 WORKFLOW = ("workflow", "config", "profiles", "requirements.lock", "pyproject.toml", "README.md", "LICENSE", "CITATION.cff")
-PRODUCTS = ("*.csv", "*.json", "*.html", "*.pdf", "figures/*", "tables/*.csv")
+PRODUCTS = ("*.csv", "*.json", "*.html", "*.pdf", "*.md", "*.safetensors", "figures/*", "tables/*.csv")
 FORMATS = {
     ".csv": "text/csv",
     ".json": "application/json",
     ".html": "text/html",
+    ".md": "text/markdown",
     ".pdf": "application/pdf",
     ".svg": "image/svg+xml",
     ".png": "image/png",
@@ -117,7 +118,7 @@ def _tracked(root: Path) -> Iterator[str]:
 
 def _products(folder: Path) -> list[Path]:
     found = {file for pattern in PRODUCTS for file in folder.glob(pattern)}
-    return sorted(file for file in found | set(folder.glob("0/train_model/*.safetensors")) if file.is_file())
+    return sorted(file for file in found if file.is_file())
 
 
 def _described(file: Path) -> dict[str, str]:
