@@ -1,5 +1,6 @@
 # make          the whole steering study and its report
 # make small    the same study, shrunk to about a minute
+# make resampled the same study on walks resampled from recordings, its verdicts beside those of make (needs WALKLAB_DATA)
 # make real     leave-one-subject-out on real walks (needs WALKLAB_DATA)
 # make test     all tests          make lint   all checks of style and structure
 # make bench    every benchmark beside its baseline: results/bench/summary.json
@@ -13,7 +14,7 @@ BIN := .venv/bin
 SNAKEMAKE := $(BIN)/snakemake
 export WALKLAB_DATA ?= ../shared/data
 
-.PHONY: all small real own test bench track crate lint manual lock clean
+.PHONY: all small resampled real own test bench track crate lint manual lock clean
 .DEFAULT_GOAL := all
 
 all: .venv/ready
@@ -23,6 +24,11 @@ all: .venv/ready
 small: .venv/ready
 	$(SNAKEMAKE) --configfile config/small.yaml
 	$(SNAKEMAKE) --configfile config/small.yaml --report results/small/snakemake_report.zip
+
+resampled: .venv/ready
+	$(SNAKEMAKE) results/steering/claims.csv
+	$(SNAKEMAKE) --configfile config/resampled.yaml
+	$(SNAKEMAKE) --configfile config/resampled.yaml --report results/resampled/report.html
 
 real: .venv/ready
 	$(SNAKEMAKE) --configfile config/cmu.yaml

@@ -70,6 +70,8 @@ def _explain(error: ValidationError) -> str:
 def named_paths(config: Mapping[str, Any]) -> dict[str, str]:
     """Every file or folder that a completed configuration names, by its key, with variables replaced."""
     named = {f"scenarios.{name}": path for name, path in config["scenarios"].items()}
+    if config["compare_verdicts"]["other"]:
+        named["compare_verdicts.other"] = config["compare_verdicts"]["other"]
     if config["source"]["kind"] != "synthetic":
         named["source.path"] = config["source"]["path"] or ""
         named |= {f"source.plans.{index}": path for index, path in enumerate(config["source"]["plans"])}

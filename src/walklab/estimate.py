@@ -29,7 +29,7 @@ def estimate(config: Mapping[str, Any], walks_per_set: int, cores: int) -> str:
     cores : that work at the same time
     """
     cells = prod(len(axis["values"]) if "values" in axis else axis["count"] for axis in config["space"])
-    if config["source"]["kind"] != "synthetic":
+    if config["source"]["kind"] not in ("synthetic", "resampled"):
         return (
             f"the walks of {config['source']['path']} x {cells} parameter vectors, leaving out one participant at a time; "
             f"about {_minutes(SECONDS_PER_RUN, cores)} and {_size(BYTES_PER_RUN)} for fewer than a hundred walks"

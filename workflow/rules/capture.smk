@@ -1,6 +1,9 @@
 """Recordings and the walks in them."""
 
-SYNTHETIC = CONFIG["source"]["kind"] == "synthetic"
+# Walks made by either generator go through the paper's study, captured ones through leave-one-subject-out.
+RESAMPLED = CONFIG["source"]["kind"] == "resampled"
+SYNTHETIC = RESAMPLED or CONFIG["source"]["kind"] == "synthetic"
+SHAPES = first(stage("import_shapes", "shapes.parquet")) if RESAMPLED else []
 TURNS = [f"turn_{angle}" for angle in CONFIG["record_training"]["turning_angles_deg"]]
 WALKS = "extract_training" if SYNTHETIC else "import_walks"
 TURN_PLANS = [shipped(f"config/scenes/{turn}.yaml") for turn in TURNS]
@@ -21,8 +24,25 @@ rule draw_participants:
         "../scripts/draw_participants.py"
 
 
+rule import_shapes:
+    input:
+        recordings,
+    output:
+        shapes=first(stage("import_shapes", "shapes.parquet")),
+    log:
+        first(stage("import_shapes", "log.txt")),
+    benchmark:
+        first(stage("import_shapes", "benchmark.tsv"))
+    params:
+        **section("source"),
+        code=code("import_shapes.py"),
+    script:
+        "../scripts/import_shapes.py"
+
+
 rule record_training:
     input:
+        shapes=SHAPES,
         participants=rules.draw_participants.output.participants,
         plans=TURN_PLANS,
     output:
@@ -41,6 +61,7 @@ rule record_training:
 
 rule record_scenario:
     input:
+        shapes=SHAPES,
         participants=rules.draw_participants.output.participants,
         plan=lambda wildcards: CONFIG["scenarios"][wildcards.scenario],
     output:
@@ -67,7 +88,7 @@ rule record_long_distance:
     benchmark:
         stage("record_long_distance", "benchmark.tsv")
     params:
-        **section("seed", "record_long_distance", "generator"),
+        **section("seed", "source", "record_long_distance", "generator"),
         code=code("record_long_distance.py"),
     script:
         "../scripts/record_long_distance.py"
@@ -175,3 +196,25 @@ rule summarise_capture:
         code=code("summarise_capture.py"),
     script:
         "../scripts/summarise_capture.py"
+
+
+# Replicate 0 of the synthetic capture beside recordings of real people, as many as there are under WALKLAB_DATA.
+rule measure_realism:
+    input:
+        walks=expand(first(rules.extract_training.output.walks), shard=SHARDS),
+        samples=expand(first(rules.extract_training.output.samples), shard=SHARDS),
+        recordings=recordings,
+    output:
+        realism=report(
+            f"{RUN}/realism.csv", caption="../report/table.rst", category="Tables"
+        ),
+        values=first(stage("measure_realism", "values.parquet")),
+    log:
+        first(stage("measure_realism", "log.txt")),
+    benchmark:
+        first(stage("measure_realism", "benchmark.tsv"))
+    params:
+        code=code("measure_realism.py"),
+        data=os.path.expandvars("$WALKLAB_DATA"),
+    script:
+        "../scripts/measure_realism.py"

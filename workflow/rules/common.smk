@@ -8,6 +8,7 @@ from snakemake.exceptions import WorkflowError
 from snakemake.utils import update_config
 
 from walklab import code_digest, job_environment
+from walklab.capture.recording_files import present
 from walklab.configuration import check_path, complete, load_schema, named_paths
 from walklab.consistency import require_consistent
 from walklab.errors import InputError
@@ -132,6 +133,19 @@ def source_files(wildcards):
     return sorted(map(str, path.rglob("*.a[sm][fc]"))) if path.is_dir() else str(path)
 
 
+def recordings(wildcards):
+    """The recordings of real people that are there; none is needed."""
+    return list(map(str, present(os.path.expandvars("$WALKLAB_DATA"))))
+
+
+# Stands beside every figure and table of a report whose walks are not what a reader would expect.
+WALKED = (
+    {"walks": "resampled from recordings"}
+    if CONFIG["source"]["kind"] == "resampled"
+    else {}
+)
+
+
 # Every declared figure: name -> category, drawing and caption; what build_report shows.
 FIGURES = {}
 
@@ -148,7 +162,7 @@ def figure(name, category, caption=None):
         f"{RUN}/figures/{name}.svg",
         caption=caption,
         category=category,
-        labels={"figure": name},
+        labels={"figure": name, **WALKED},
     )
     return [shown, f"{RUN}/figures/{name}.png"]
 
@@ -160,7 +174,7 @@ def page(name):
         path,
         caption="../report/table.rst",
         category="Tables",
-        labels={"table": TABLE_TITLES[name]},
+        labels={"table": TABLE_TITLES[name], **WALKED},
     )
 
 

@@ -45,6 +45,21 @@ rule draw_fig04:
         "../scripts/draw_fig04.py"
 
 
+rule draw_realism:
+    input:
+        values=rules.measure_realism.output.values,
+    output:
+        figure("realism", "Capture"),
+    log:
+        first(stage("draw_realism", "log.txt")),
+    benchmark:
+        first(stage("draw_realism", "benchmark.tsv"))
+    params:
+        code=code("draw_realism.py"),
+    script:
+        "../scripts/draw_realism.py"
+
+
 rule draw_fig05:
     input:
         maps=TRAINING["maps"],

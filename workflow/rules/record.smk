@@ -26,6 +26,9 @@ STEERING = [
     f"{RUN}/scores.csv",
     f"{RUN}/calibration.csv",
     *(f"{RUN}/figures/{name}.svg" for name in ("scores", "calibration", "pit")),
+    # A capture made of the recordings proves nothing by resembling them.
+    *([] if RESAMPLED else [f"{RUN}/realism.csv", f"{RUN}/figures/realism.svg"]),
+    *([f"{RUN}/verdicts.csv"] if CONFIG["compare_verdicts"]["other"] else []),
     *(f"{RUN}/tables/{name}.html" for name in TABLES),
     *expand(
         rules.simulate_trials.output.trials, scenario=SCENARIOS, replicate=REPLICATES

@@ -36,6 +36,26 @@ rule check_claims:
         "../scripts/check_claims.py"
 
 
+rule compare_verdicts:
+    input:
+        claims=rules.check_claims.output.claims,
+        other=CONFIG["compare_verdicts"]["other"] or [],
+    output:
+        verdicts=report(
+            f"{RUN}/verdicts.csv",
+            caption="../report/table.rst",
+            category="Verdicts",
+        ),
+    log:
+        first(stage("compare_verdicts", "log.txt")),
+    benchmark:
+        first(stage("compare_verdicts", "benchmark.tsv"))
+    params:
+        code=code("compare_verdicts.py"),
+    script:
+        "../scripts/compare_verdicts.py"
+
+
 rule list_assumptions:
     input:
         paper=PAPER,
@@ -139,6 +159,16 @@ _TABLES = {
         "Assumptions where the paper is silent",
     ),
 }
+if not RESAMPLED:
+    _TABLES["realism"] = (
+        f"{RUN}/realism.csv",
+        "How real the synthetic capture is: its walks beside recorded ones",
+    )
+if CONFIG["compare_verdicts"]["other"]:
+    _TABLES["verdicts"] = (
+        f"{RUN}/verdicts.csv",
+        f"Verdicts of this run beside those of {CONFIG['compare_verdicts']['other']}",
+    )
 TABLES = {name: file for name, (file, _) in _TABLES.items()}
 TABLE_TITLES = {name: title for name, (_, title) in _TABLES.items()}
 

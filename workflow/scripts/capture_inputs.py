@@ -6,6 +6,9 @@ import pandas as pd
 
 from walklab.capture.constants import WalkerConstants, without_dependency_effects, without_repetition_variation
 from walklab.capture.io import read_participants
+from walklab.capture.real_shapes import read_shapes
+from walklab.capture.resampling import resampled_person
+from walklab.capture.walker import MakePerson, person_from_row
 from walklab.geometry.plans import OPEN, Plan, load_plan
 
 
@@ -17,6 +20,14 @@ def constants_of(generator: Mapping[str, bool]) -> WalkerConstants:
     if not generator["repetition_variation"]:
         constants = without_repetition_variation(constants)
     return constants
+
+
+def people_of(shapes: str, seed: int) -> MakePerson:
+    """The first generator's people, or, if shapes of real walks are given, people who walk by these."""
+    if not shapes:
+        return person_from_row
+    found = read_shapes(shapes)
+    return lambda row, constants: resampled_person(row, constants, found, seed)
 
 
 def participants_of_group(path: str, group: str) -> pd.DataFrame:

@@ -1,7 +1,7 @@
 """Record experiment 2 in one scenario."""
 
 from adapter import job
-from capture_inputs import constants_of, participants_of_group
+from capture_inputs import constants_of, participants_of_group, people_of
 from walklab.capture.io import write_poses, write_truth
 from walklab.capture.scenario import ScenarioDesign, record_scenario
 from walklab.geometry.plans import load_plan
@@ -17,6 +17,7 @@ if __name__ == "__main__":
             snakemake.params.seed,
             int(snakemake.wildcards.replicate),
             standing=Standing(**snakemake.params.standing),
+            make_person=people_of(snakemake.input.shapes, snakemake.params.seed),
         )
         write_poses(poses, snakemake.output.poses)
         write_truth(truth, snakemake.output.truth)

@@ -1,7 +1,7 @@
 """Record experiment 1 for one shard of its participants."""
 
 from adapter import job
-from capture_inputs import constants_of, participants_of_group, participants_of_shard, plans_by_scene
+from capture_inputs import constants_of, participants_of_group, participants_of_shard, people_of, plans_by_scene
 from walklab.capture.io import write_recording, write_truth
 from walklab.capture.training import TrainingDesign, record_training
 from walklab.geometry.standing import Standing
@@ -17,6 +17,7 @@ if __name__ == "__main__":
             snakemake.params.seed,
             int(snakemake.wildcards.replicate),
             standing=Standing(**snakemake.params.standing),
+            make_person=people_of(snakemake.input.shapes, snakemake.params.seed),
             all_participants=tuple(everyone["participant"]),
         )
         write_recording(recording, snakemake.output.recording)

@@ -44,6 +44,7 @@ def import_walks(
     stature_rule: StatureRule | None = None,
     dataset: str = "cmu",
     scene: str = "open",
+    walks_per_subject: int | None = None,
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Walks of every subject under a folder: ``<subject>/<subject>.asf`` with its ``*.amc`` beside it.
 
@@ -57,6 +58,7 @@ def import_walks(
     unit_m : metres per unit of the files
     rate_hz : frames per second; the files do not say
     curvature_scale_m : smoothing of the curvature along the path
+    walks_per_subject : only the first motions of each subject; default all
 
     Returns
     -------
@@ -74,13 +76,20 @@ def import_walks(
     rule = stature_rule or StatureRule()
     candidates = []
     for path in skeletons:
-        candidates += _subject(path, unit_m, rate_hz, segments, rule, dataset, scene)
+        candidates += _subject(path, unit_m, rate_hz, segments, rule, dataset, scene, walks_per_subject)
     walks, samples = build_tables(candidates, standing or Standing(), curvature_scale_m, rules or ImportRules())
     return check(walks, WALKS, folder), check(samples, SAMPLES, folder)
 
 
 def _subject(
-    path: Path, unit_m: float, rate_hz: float, segments: Sequence[Segment], rule: StatureRule, dataset: str, scene: str
+    path: Path,
+    unit_m: float,
+    rate_hz: float,
+    segments: Sequence[Segment],
+    rule: StatureRule,
+    dataset: str,
+    scene: str,
+    walks: int | None,
 ) -> list[Positions]:
     skeleton = read_skeleton(path)
     height_m = stature(skeleton, rule) * unit_m
@@ -90,7 +99,7 @@ def _subject(
     if not motions:
         raise InputError(f"{path}: no .amc file beside this skeleton; add its motions or remove it")
     found = []
-    for motion_path in motions:
+    for motion_path in motions[:walks]:
         joints = joint_positions(skeleton, read_motion(motion_path, skeleton))
         position_m = floor_plan(centre_of_mass(joints, segments), rule.up) * unit_m
         walk = f"{dataset}/{path.stem}/{motion_path.stem}"

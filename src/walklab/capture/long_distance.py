@@ -40,17 +40,23 @@ def record_long_distance(
             for repetition in range(design.repetitions):
                 rng = generator(seed, replicate, DATASET, name, f"{distance:g}", repetition)
                 bell = speed_profile(person, distance, distance, constants, rng.standard_normal(3))
-                rows.append(
-                    {
-                        "walk": f"{DATASET}/{name.rsplit('_', 1)[-1]}/{distance:g}/{repetition:04d}",
-                        "participant": name,
-                        "height_m": float(row["height_m"]),
-                        "distance_m": float(distance),
-                        "repetition": repetition,
-                        "travel_time_s": float(np.round(bell.duration_s * design.rate_hz) / design.rate_hz),
-                    }
-                )
+                height_m = float(row["height_m"])
+                rows.append(travel_time_row(name, height_m, distance, repetition, bell.duration_s, design.rate_hz))
     return pd.DataFrame(rows)
+
+
+def travel_time_row(
+    participant: str, height_m: float, distance_m: float, repetition: int, time_s: float, rate_hz: float
+) -> dict[str, object]:
+    """One row of the table of travel times; the time is a whole number of frames."""
+    return {
+        "walk": f"{DATASET}/{participant.rsplit('_', 1)[-1]}/{distance_m:g}/{repetition:04d}",
+        "participant": participant,
+        "height_m": height_m,
+        "distance_m": float(distance_m),
+        "repetition": repetition,
+        "travel_time_s": float(np.round(time_s * rate_hz) / rate_hz),
+    }
 
 
 def _brisk(person: Person, constants: WalkerConstants) -> Person:

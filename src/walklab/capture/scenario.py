@@ -15,7 +15,7 @@ from walklab.capture.paths import habitual_path, move_ends
 from walklab.capture.sensor import short_dropouts, standing_sway
 from walklab.capture.timeline import NO_FLAW, Leg, Track, choose_flawed, lay_track, lose_frames, make_leg, scattered
 from walklab.capture.training import concatenate, recording_keys
-from walklab.capture.walker import Person, person_from_row, smooth_step
+from walklab.capture.walker import MakePerson, Person, person_from_row, smooth_step
 from walklab.errors import InputError
 from walklab.geometry.plans import Plan, Station
 from walklab.geometry.standing import Standing
@@ -81,6 +81,7 @@ def record_scenario(
     replicate: int,
     all_participants: Sequence[str] | None = None,
     standing: Standing | None = None,
+    make_person: MakePerson = person_from_row,
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Record some or all participants of one scenario of experiment 2, one recording per set.
 
@@ -89,6 +90,7 @@ def record_scenario(
     participants : rows of the participants table; any subset gives the same rows for each of them
     all_participants : names of the whole group, in the order of ``design.sets``; default the given ones
     standing : speeds that bound the true walks; default ``Standing()``
+    make_person : from a row of the participants table to who walks; default the first generator's people
 
     Returns
     -------
@@ -112,7 +114,7 @@ def record_scenario(
     flaws = _flaws(names, plan, design, constants, seed, replicate)
     pieces, truths = [], []
     for _, row in participants.iterrows():
-        name, person = str(row["participant"]), person_from_row(row, constants)
+        name, person = str(row["participant"]), make_person(row, constants)
         paths = {
             (a, b): habitual_path(plan.scene, plan.stations[a].position_m, plan.stations[b].position_m, person.habit)
             for a, b in set(plan.walks)

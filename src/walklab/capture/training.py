@@ -13,7 +13,7 @@ from walklab.capture.constants import WalkerConstants
 from walklab.capture.paths import habitual_path, move_ends
 from walklab.capture.sensor import short_dropouts, standing_sway
 from walklab.capture.timeline import NO_FLAW, Leg, choose_flawed, lay_track, lose_frames, make_leg, scattered
-from walklab.capture.walker import Person, person_from_row
+from walklab.capture.walker import MakePerson, Person, person_from_row
 from walklab.errors import InputError
 from walklab.geometry.plans import OPEN, Plan
 from walklab.geometry.standing import Standing
@@ -96,6 +96,7 @@ def record_training(
     replicate: int,
     all_participants: Sequence[str] | None = None,
     standing: Standing | None = None,
+    make_person: MakePerson = person_from_row,
 ) -> tuple[pd.DataFrame, pd.DataFrame]:
     """Record some or all participants of experiment 1.
 
@@ -104,6 +105,7 @@ def record_training(
     participants : rows of the participants table; any subset gives the same rows for each of them
     all_participants : names of the whole group, by which the flawed walks are chosen; default the given ones
     standing : speeds that bound the true walks; default ``Standing()``
+    make_person : from a row of the participants table to who walks; default the first generator's people
 
     Returns
     -------
@@ -114,7 +116,7 @@ def record_training(
     flaws = _flaws(list(all_participants or participants["participant"]), everything, design, constants, seed, replicate)
     frames, truths = [], []
     for _, row in participants.iterrows():
-        name, person = str(row["participant"]), person_from_row(row, constants)
+        name, person = str(row["participant"]), make_person(row, constants)
         order = generator(seed, replicate, DATASET, name, "order").permutation(len(everything))
         for index in order:
             configuration = everything[index]

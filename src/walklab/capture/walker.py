@@ -7,7 +7,9 @@ acceleration or turning enters: the profile is drawn, not steered.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any, Protocol
 
 import numpy as np
 import pandas as pd
@@ -64,6 +66,23 @@ def smooth_step_integral(u: Array) -> Array:
     return u**4 * (2.5 - 3 * u + u**2)
 
 
+class SpeedProfile(Protocol):
+    """Speed over time from standing to standing, however it was made."""
+
+    @property
+    def peak_m_s(self) -> float: ...
+    @property
+    def duration_s(self) -> float: ...
+    def speed(self, time_s: Array) -> Array: ...
+    def travelled(self, time_s: Array) -> Array: ...
+
+
+class WalkSource(Protocol):
+    """Where a person's walks come from if they are not made of traits."""
+
+    def draw(self, path: Array, rng: np.random.Generator) -> PlannedWalk: ...
+
+
 @dataclass(frozen=True)
 class Person:
     """The traits of one participant that shape a walk; see :mod:`walklab.capture.constants` for each."""
@@ -82,13 +101,17 @@ class Person:
     torso_depth_m: float
     height_m: float
     habit: Habit
+    source: WalkSource | None = None
+
+
+MakePerson = Callable[[pd.Series, WalkerConstants], Person]
 
 
 def person_from_row(row: pd.Series, constants: WalkerConstants) -> Person:
     """A person from a row of the participants table."""
     norm = norm_speed_m_s(str(row["sex"]), float(row["age_years"]), float(row["height_m"]), constants)
     direct = ("distance_constant_m", "start_time_s", "stop_time_s", "walk_ratio_m_min", "sway_lateral_m", "sway_fore_aft_m")
-    own = {name: float(row[f"trait_{name}"]) for name in (*direct, "belt_gap_error_m")}
+    own: dict[str, Any] = {name: float(row[f"trait_{name}"]) for name in (*direct, "belt_gap_error_m")}
     habit = Habit(
         float(row["trait_clearance_m"]),
         constants.least_clearance_m,
@@ -168,7 +191,7 @@ class PlannedWalk:
     path: Array
     along_m: Array
     effective_m: Array
-    bell: Bell
+    bell: SpeedProfile
     phase_rad: float
 
     @property
@@ -178,6 +201,8 @@ class PlannedWalk:
 
 def draw_walk(person: Person, path: Array, constants: WalkerConstants, rng: np.random.Generator) -> PlannedWalk:
     """Draw one repetition of a walk along a habitual path."""
+    if person.source is not None:
+        return person.source.draw(path, rng)
     own = resample(wander(path, person.wander_ratio, constants.wander_modes, rng), SPACING_M)
     along = arc_length(own)
     slowing = turn_slowing(own, person.turn_exponent, constants)

@@ -121,19 +121,21 @@ def read_walks(walks_path: str | Path, samples_path: str | Path) -> list[Walk]:
         If a table breaks its schema, a walk has no samples, or its times do not ascend.
     """
     walks = read_walk_table(walks_path)
-    samples = check(read_table(samples_path), SAMPLES, samples_path)
+    return pair(walks, check(read_table(samples_path), SAMPLES, samples_path), samples_path)
+
+
+def pair(walks: pd.DataFrame, samples: pd.DataFrame, source: str | Path) -> list[Walk]:
+    """The accepted walks of both tables, in the order of the walks table; errors as of :func:`read_walks`."""
     rows = samples.groupby("walk", sort=False).indices
     times_s, positions_m = samples["time_s"].to_numpy(), samples[["x_m", "y_m"]].to_numpy()
     result = []
-    for _, row in walks.iterrows():
+    for _, row in walks[walks["rejection"] == ACCEPTED].iterrows():
         own = rows.get(row["walk"], [])
         if len(own) < 2:
-            raise InputError(f"{samples_path}: walk {row['walk']} has fewer than two samples; extract the walks again")
+            raise InputError(f"{source}: walk {row['walk']} has fewer than two samples; extract the walks again")
         time_s = times_s[own]
         if np.any(np.diff(time_s) <= 0):
             at = int(np.flatnonzero(np.diff(time_s) <= 0)[0]) + 1
-            raise InputError(
-                f"{samples_path}: column time_s, walk {row['walk']}, sample {at}: times must ascend; sort the samples"
-            )
+            raise InputError(f"{source}: column time_s, walk {row['walk']}, sample {at}: times must ascend; sort the samples")
         result.append(Walk(row, time_s, np.ascontiguousarray(positions_m[own])))
     return result

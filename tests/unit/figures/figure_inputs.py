@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, real
+from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, real, realism
 from walklab.geometry.plans import Plan, Station
 from walklab.geometry.scene import Scene, disc
 from walklab.steering.space import Axis, ParameterSpace
@@ -174,6 +174,15 @@ def run_time() -> dict[str, Any]:
     }  # fmt: skip
 
 
+def realism_values() -> pd.DataFrame:
+    rng = np.random.default_rng(5)
+    groups = {"synthetic": 40, "recorded": 9, realism.SPIKED: 5}
+    measured = [*realism.BY_DISTANCE, *(name for _, names in realism.BY_PERSON.values() for name in names)]
+    rows = [(name, group, "made up") for name in measured for group, count in groups.items() for _ in range(count)]
+    numbers = {"distance_m": rng.uniform(0.4, 4.2, len(rows)), "value": rng.uniform(0.1, 2.0, len(rows))}
+    return pd.DataFrame(rows, columns=["quantity", "group", "source"]).assign(**numbers)
+
+
 FIGURES: dict[str, Draw] = {
     "fig03": lambda: capture.fig03(classes(), 3197),
     "fig04": lambda: capture.fig04(walks(), samples(), {"turn_90": plan("turn_90")}),
@@ -195,4 +204,6 @@ FIGURES: dict[str, Draw] = {
     "forecast_scores": lambda: forecasts.fig_forecast_scores(forecast_scores()),
     "calibration": lambda: forecasts.fig_calibration(calibration()),
     "pit": lambda: forecasts.fig_pit(calibration()),
+    "realism": lambda: realism.fig_realism(realism_values()),
+    "realism_alone": lambda: realism.fig_realism(realism_values().query("group == 'synthetic'")),
 }
