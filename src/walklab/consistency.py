@@ -58,7 +58,7 @@ def _recordings(config: Mapping[str, Any]) -> Problems:
     if flawed > recorded:
         yield "record_training.flawed_walks", f"{flawed} of {recorded} walks cannot be flawed; lower it"
     entries = config["blending_space"]["entries"]
-    if config["source"]["kind"] == "synthetic" and entries is not None and entries < recorded - flawed:
+    if config["source"]["kind"] in ("synthetic", "resampled") and entries is not None and entries < recorded - flawed:
         yield "blending_space.entries", f"{entries} is less than the {recorded - flawed} captured walks; raise it or set null"
 
 
