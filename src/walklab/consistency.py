@@ -77,6 +77,8 @@ def _standing(config: Mapping[str, Any]) -> Problems:
 
 
 def _spaces(config: Mapping[str, Any]) -> Problems:
+    if len(config["space"]) < 2:
+        yield "space", "has one axis, but the study's maps and figures need two or more; add another parameter of the planner"
     for key, axes in (("space", config["space"]), ("long_distance.space", config["long_distance"]["space"])):
         names = [axis["name"] for axis in axes]
         for index, axis in enumerate(axes):

@@ -55,6 +55,7 @@ def axis(name: str, *values: float) -> dict:
         ({"model": {"k": 6000}}, r"model.k: 6000 neighbours among blending_space.entries \(5000\)"),
         ({"standing": {"standing_speed_m_s": 0.5}}, r"standing.standing_speed_m_s: 0.5 m/s is not below"),
         ({"space": [axis("v", 1, 2), axis("v", 1, 2)]}, r"space.1.name: 'v' stands twice"),
+        ({"space": [axis("v", 1, 2)]}, r"space: has one axis"),
         ({"long_distance": {"space": [axis("v", 2, 1)]}}, r"long_distance.space.0.values: \[2, 1\] do not ascend"),
         ({"planner": {"time_limit_s": float("inf")}}, r"planner.time_limit_s: inf is no finite number"),
         ({"record_training": {"straight_distances_m": [1.0, float("nan")]}}, r"record_training.straight_distances_m.1: nan"),

@@ -27,7 +27,7 @@ CONFIGS = {
     ),
     "a run name that would leave the results": ({"run": "../../elsewhere"}, "config key run"),
     "unknown planner": ({"planner": {"name": "teleport"}}, "teleport"),
-    "unknown parameter": ({"space": [{"name": "w", "unit": "-", "values": [1, 2]}]}, "'w'"),
+    "unknown parameter": ({"space": [{"name": name, "unit": "-", "values": [1, 2]} for name in "vw"]}, "'w'"),
 }
 
 
