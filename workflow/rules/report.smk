@@ -48,6 +48,7 @@ rule build_report:
         assets=report_assets(),
     output:
         page=f"{RUN}/report.html",
+        pdf=f"{RUN}/report.pdf",
     log:
         first(stage("build_report", "log.txt")),
     params:

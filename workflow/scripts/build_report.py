@@ -1,4 +1,4 @@
-"""The report of the run as one self-contained page."""
+"""The report of the run: one self-contained page, and a PDF of figures and tables."""
 
 from dataclasses import replace
 
@@ -11,9 +11,10 @@ from walklab.geometry.plans import load_plan
 from walklab.planning.io import read_routes
 from walklab.randomness import generator
 from walklab.report.contents import Contents
-from walklab.report.io import read_figure, read_tables
+from walklab.report.io import read_figure, read_tables, write_pdf
 from walklab.report.map_lattice import map_lattice
 from walklab.report.page import render
+from walklab.report.pdf import pdf_of
 from walklab.report.shown_walks import scene_data
 from walklab.steering.io import read_model
 from walklab.storage import read_json, read_table, write_text
@@ -63,3 +64,4 @@ if __name__ == "__main__":
             scenes_of(files, params),
         )
         write_text(render(contents), snakemake.output.page)
+        write_pdf(pdf_of(contents), snakemake.output.pdf)

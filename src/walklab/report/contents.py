@@ -8,6 +8,8 @@ from typing import Any
 
 import pandas as pd
 
+PX_PER_MM = 1.4 * 96 / 25.4  # enlarged: figures are drawn for a column of paper, with letters too small for a screen
+
 
 @dataclass(frozen=True)
 class ReportFigure:
@@ -19,7 +21,8 @@ class ReportFigure:
     caption : HTML of the caption
     summary : the caption's plain text, read to those who cannot see the image
     image : data URI
-    size_px : width and height in CSS pixels at which it is shown
+    pixels : the PNG file, for print
+    size_mm : width and height that it was drawn for
     """
 
     name: str
@@ -27,7 +30,13 @@ class ReportFigure:
     caption: str
     summary: str
     image: str
-    size_px: tuple[int, int]
+    pixels: bytes
+    size_mm: tuple[float, float]
+
+    @property
+    def size_px(self) -> tuple[int, int]:
+        """Width and height on the screen in CSS pixels."""
+        return round(self.size_mm[0] * PX_PER_MM), round(self.size_mm[1] * PX_PER_MM)
 
 
 @dataclass(frozen=True)

@@ -12,9 +12,8 @@ from docutils.core import publish_parts
 
 from walklab.errors import InputError
 from walklab.report.contents import ReportFigure, ReportTable
-from walklab.storage import read_table
+from walklab.storage import atomic_path, read_table
 
-ENLARGED = 1.4  # figures are drawn for a column of paper, with letters too small for a screen
 HEAVY_BYTES = 400_000  # a drawing of more is embedded as an image
 RST = {"raw_enabled": False, "file_insertion_enabled": False, "report_level": 5, "halt_level": 5}
 
@@ -31,28 +30,31 @@ def read_caption(path: str | Path) -> tuple[str, str]:
 
 
 def read_figure(name: str, category: str, path_svg: str | Path, caption: str | Path) -> ReportFigure:
-    """A figure as a data URI: its drawing, or its image where the drawing is heavy."""
-    drawing = Path(path_svg)
+    """A figure as a data URI, its drawing or, where that is heavy, its image; and the image for print."""
+    path = Path(path_svg)
     try:
-        content = drawing.read_bytes()
-        width, height = _size_px(content)
-        kind = "svg+xml"
-        if len(content) > HEAVY_BYTES:
-            content, kind = drawing.with_suffix(".png").read_bytes(), "png"
+        drawing, image = path.read_bytes(), path.with_suffix(".png").read_bytes()
+        size_mm = _size_mm(drawing)
     except (OSError, ValueError) as error:
-        raise InputError(f"{drawing}: not a readable figure ({error}); draw it again") from error
+        raise InputError(f"{path}: not a readable figure ({error}); draw it again") from error
     html, text = read_caption(caption)
-    uri = f"data:image/{kind};base64,{base64.b64encode(content).decode()}"
-    return ReportFigure(name, category, html, text, uri, (width, height))
+    kind, shown = ("png", image) if len(drawing) > HEAVY_BYTES else ("svg+xml", drawing)
+    uri = f"data:image/{kind};base64,{base64.b64encode(shown).decode()}"
+    return ReportFigure(name, category, html, text, uri, image, size_mm)
 
 
-def _size_px(svg: bytes) -> tuple[int, int]:
-    """CSS pixels to show a drawing at whose size is given in points."""
-    head = svg[:2000].decode(errors="replace")
-    found = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', head)
+def _size_mm(svg: bytes) -> tuple[float, float]:
+    """Size of a drawing, which is given in points."""
+    found = re.search(r'viewBox="0 0 ([\d.]+) ([\d.]+)"', svg[:2000].decode(errors="replace"))
     if not found:
         raise ValueError("no viewBox")
-    return round(float(found[1]) * ENLARGED * 96 / 72), round(float(found[2]) * ENLARGED * 96 / 72)
+    return float(found[1]) * 25.4 / 72, float(found[2]) * 25.4 / 72
+
+
+def write_pdf(content: bytes, path: str | Path) -> None:
+    """Write a PDF."""
+    with atomic_path(path) as temporary:
+        temporary.write_bytes(content)
 
 
 def read_tables(files: Mapping[str, tuple[str, str]]) -> dict[str, ReportTable]:

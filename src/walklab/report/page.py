@@ -21,9 +21,9 @@ from walklab.figures.claims import VERDICTS
 from walklab.figures.pages import number_text
 from walklab.figures.style import MODEL_COLOURS, OTHER_MODEL
 from walklab.report.contents import Contents
-from walklab.report.published import Comparison, beside_figure, beside_table, claimed
-from walklab.report.sections import SECTIONS, Section, placed, tables_of
-from walklab.report.tables import Table, cell_of, medians, table_of, verdict_counts, with_interval
+from walklab.report.published import Comparison, beside_figure, beside_table, claimed, published_text
+from walklab.report.sections import SECTIONS, Section, figure_title, placed, tables_of
+from walklab.report.tables import Table, descriptions, medians, table_of, verdict_counts, with_interval
 
 STYLES = ("style.css", "widgets.css", "print.css")
 SCRIPTS = ("theme.js", "tables.js", "drawing.js", "maps.js", "walks.js")
@@ -46,7 +46,7 @@ def environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    found.filters |= {"number": number_text, "interval": with_interval, "label": label, "cell": cell_of}
+    found.filters |= {"number": number_text, "interval": with_interval, "label": label, "published": published_text}
     return found
 
 
@@ -66,7 +66,6 @@ def render(contents: Contents) -> str:
     allowed = f"img-src data:; style-src {_digest(style)}; script-src {_digest(script)}"
     policy = f"default-src 'none'; {allowed}; base-uri 'none'; form-action 'none'"
     frames = contents.frames
-    descriptions = {name.removeprefix("description_"): frame for name, frame in frames.items() if _describes(name)}
     return (
         environment()
         .get_template("report.html")
@@ -80,7 +79,7 @@ def render(contents: Contents) -> str:
             paper=contents.paper,
             sections=[_section(section, contents) for section in SECTIONS],
             present=set(frames) | set(contents.figures),
-            medians=medians(descriptions, contents.paper) if contents.paper else [],
+            medians=medians(descriptions(frames), contents.paper) if contents.paper else [],
             verdicts=verdict_counts(frames.get("claims"), list(VERDICTS)),
             marks=VERDICT_MARKS,
             long_table=LONG_TABLE,
@@ -96,10 +95,6 @@ def render(contents: Contents) -> str:
 
 # Shape and word, so that a verdict can be told without colour; the shapes are those of the figure of claims.
 VERDICT_MARKS = {"reproduced": "●", "partly": "▲", "not reproduced": "✕", "not checkable": "■"}
-
-
-def _describes(name: str) -> bool:
-    return name.startswith("description_") and not name.startswith("description_by_hull")
 
 
 def _digest(text: str) -> str:
@@ -132,8 +127,3 @@ def _table(name: str, contents: Contents) -> Mapping[str, Any]:
     table: Table = table_of(found.frame, name, found.title, found.file)
     comparisons: list[Comparison] = beside_table(name, contents.frames)
     return {"table": table, "comparisons": comparisons}
-
-
-def figure_title(name: str) -> str:
-    """``fig03`` as Figure 3, any other figure by its name."""
-    return f"Figure {int(name[3:])}" if name.startswith("fig") and name[3:].isdigit() else name.replace("_", " ").capitalize()

@@ -8,9 +8,11 @@ from typing import Any
 
 import pandas as pd
 
+from walklab.figures.pages import number_text
 from walklab.report.sections import FIGURE_CLAIMS, TABLE_CLAIMS
 
 NAN = float("nan")
+SHORT_TEXT = 12
 
 
 @dataclass(frozen=True)
@@ -34,6 +36,14 @@ class Comparison:
     verdict: str = ""
     claim: str = ""
     note: str = ""
+
+
+def published_text(value: Any) -> str:
+    """What the paper has, short: its number, or that it says so in words (the statement has them)."""
+    try:
+        return number_text(float(value))
+    except ValueError:
+        return str(value) if len(str(value)) <= SHORT_TEXT else "in words"
 
 
 def claimed(claims: pd.DataFrame | None, beginnings: Sequence[str]) -> list[Comparison]:

@@ -102,3 +102,8 @@ def tables_of(section: Section, found: list[str]) -> list[str]:
         for name in found
         if name == wanted or (wanted.endswith("_") and name.startswith(wanted))
     ]
+
+
+def figure_title(name: str) -> str:
+    """``fig03`` as Figure 3, any other figure by its name."""
+    return f"Figure {int(name[3:])}" if name.startswith("fig") and name[3:].isdigit() else name.replace("_", " ").capitalize()

@@ -84,10 +84,20 @@ def _missing(value: Any) -> bool:
     return value is None or (isinstance(value, float) and value != value)
 
 
-def medians(descriptions: Mapping[str, pd.DataFrame], paper: Mapping[str, Any]) -> list[dict[str, Any]]:
+def descriptions(frames: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
+    """Scenario -> its table of errors, of those that a run has."""
+    beginning = "description_"
+    return {
+        name.removeprefix(beginning): frame
+        for name, frame in frames.items()
+        if name.startswith(beginning) and not name.startswith(f"{beginning}by_hull")
+    }
+
+
+def medians(described: Mapping[str, pd.DataFrame], paper: Mapping[str, Any]) -> list[dict[str, Any]]:
     """Median travel-time error of each model in each scenario, ours and published: what the report opens with."""
     rows = []
-    for scenario, frame in descriptions.items():
+    for scenario, frame in described.items():
         stated: Mapping[str, Any] = paper["claims"].get(f"{scenario}_abs_dt_s", {})
         for row in frame.to_dict("records"):
             published = stated.get(row["model"], {}).get("median")

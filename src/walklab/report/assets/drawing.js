@@ -21,16 +21,19 @@ function colourOf(model) {
   return DATA.colours[names.find((name) => model === name || model.startsWith(name + " ")) || ""];
 }
 
-// A canvas with as many pixels as the screen has, to be drawn on in CSS pixels of its design size.
+// A canvas with as many pixels as the screen has, to be drawn on in units of its design size. `pen.unit` is one CSS pixel in
+// these units: letters and marks keep their size on a small screen.
 function context(canvas, width, height) {
-  const scale = Math.max(1, Math.min(3, (canvas.clientWidth || width) / width * (window.devicePixelRatio || 1)));
+  const shown = (canvas.clientWidth || width) / width;
+  const scale = Math.max(1, Math.min(3, shown * (window.devicePixelRatio || 1)));
   canvas.width = Math.round(width * scale);
   canvas.height = Math.round(height * scale);
   const pen = canvas.getContext("2d");
   pen.setTransform(scale, 0, 0, scale, 0, 0);
   pen.fillStyle = "#ffffff";
   pen.fillRect(0, 0, width, height);
-  pen.font = "13px system-ui, sans-serif";
+  pen.unit = Math.min(1.4, Math.max(1, 1 / shown));
+  pen.font = 13 * pen.unit + "px system-ui, sans-serif";
   return pen;
 }
 

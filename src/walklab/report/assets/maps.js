@@ -1,5 +1,5 @@
 // The blended maps: sliders choose a point of the lattice, a cube and three projections show its map and draws.
-const CUBE = { width: 520, height: 480, size: 122, distance: 5 };
+const CUBE = { width: 520, height: 480, size: 118, distance: 5 };
 
 function startMaps() {
   const data = DATA.maps, view = document.getElementById("maps-view");
@@ -93,7 +93,7 @@ function projected(share, state) {
   const across = x * cos - y * sin, deep = x * sin + y * cos;
   const near = deep * up - z * over, high = deep * over + z * up;
   const zoom = CUBE.distance / (CUBE.distance + near);
-  return { x: CUBE.width / 2 + across * CUBE.size * zoom, y: CUBE.height / 2 + 8 - high * CUBE.size * zoom, near, zoom };
+  return { x: CUBE.width / 2 + 12 + across * CUBE.size * zoom, y: CUBE.height / 2 + 2 - high * CUBE.size * zoom, near, zoom };
 }
 
 function drawCube(canvas, data, cells, now, state) {
@@ -128,10 +128,10 @@ function drawCube(canvas, data, cells, now, state) {
 
 function ring(pen, x, y, model) {
   pen.beginPath();
-  pen.arc(x, y, 3.6, 0, 2 * Math.PI);
+  pen.arc(x, y, 3.6 * pen.unit, 0, 2 * Math.PI);
   pen.fillStyle = "#ffffff";
   pen.fill();
-  pen.lineWidth = 2;
+  pen.lineWidth = 2 * pen.unit;
   pen.strokeStyle = colourOf(model);
   pen.stroke();
 }
@@ -190,7 +190,7 @@ function upright(state, distance, s) {
 function drawProjections(canvas, data, cells, now, state) {
   const pen = context(canvas, CUBE.width, CUBE.height);
   const pairs = [[0, 1], [0, 2], [1, 2]].filter(([, second]) => second < data.parameters.length);
-  const side = 165, lefts = [62, 325, 62], tops = [28, 28, 260];
+  const side = 150, lefts = [76, 340, 76], tops = [14, 14, 254];
   pairs.forEach(([first, second], place) => {
     const best = new Float32Array(cells[first] * cells[second]);
     for (let i = 0, cell = 0; i < cells[0]; i += 1) {
@@ -208,7 +208,7 @@ function drawProjections(canvas, data, cells, now, state) {
       ring(pen, lefts[place] + inset(draw[first], cells[first]), tops[place] + side - inset(draw[second], cells[second]), now.model.name);
     }
   });
-  drawScale(pen, 345, 300, now);
+  drawScale(pen, 284, 290, now);
 }
 
 function drawProjection(pen, data, cells, best, first, second, left, top, side) {
@@ -223,14 +223,14 @@ function drawProjection(pen, data, cells, best, first, second, left, top, side) 
   pen.fillStyle = SOFT;
   pen.textBaseline = "middle";
   pen.textAlign = "center";
-  ends(first).forEach((value, i) => pen.fillText(value.toFixed(1), left + wide / 2 + i * (side - wide), top + side + 12));
+  ends(first).forEach((value, i) => pen.fillText(value.toFixed(1), left + wide / 2 + i * (side - wide), top + side + 11 * pen.unit));
   pen.textAlign = "right";
   ends(second).forEach((value, i) => pen.fillText(value.toFixed(1), left - 6, top + side - high / 2 - i * (side - high)));
   pen.fillStyle = INK;
   pen.textAlign = "center";
-  pen.fillText(withUnit(data.parameters[first].name, data.parameters[first].unit), left + side / 2, top + side + 28);
+  pen.fillText(withUnit(data.parameters[first].name, data.parameters[first].unit), left + side / 2, top + side + 25 * pen.unit);
   pen.save();
-  pen.translate(left - 40, top + side / 2);
+  pen.translate(left - 6 - 33 * pen.unit, top + side / 2);
   pen.rotate(-Math.PI / 2);
   pen.fillText(withUnit(data.parameters[second].name, data.parameters[second].unit), 0, 0);
   pen.restore();
@@ -243,18 +243,18 @@ function drawScale(pen, left, top, now) {
   }
   pen.textAlign = "left";
   pen.fillStyle = SOFT;
-  pen.fillText("0", left, top + 24);
+  pen.fillText("0", left, top + 13 + 10 * pen.unit);
   pen.textAlign = "right";
-  pen.fillText("1", left + 130, top + 24);
+  pen.fillText("1", left + 130, top + 13 + 10 * pen.unit);
   pen.textAlign = "left";
   pen.fillStyle = INK;
-  pen.fillText("density / its maximum", left, top - 12);
+  pen.fillText("density / its maximum", left, top - 12 * pen.unit);
   ring(pen, left + 6, top + 58, now.model.name);
   pen.fillStyle = INK;
   pen.fillText("draw", left + 18, top + 58);
   pen.fillStyle = SOFT;
-  pen.fillText("Squares: best over the", left, top + 92);
-  pen.fillText("third parameter", left, top + 108);
+  pen.fillText("Squares: best over the", left, top + 96);
+  pen.fillText("third parameter", left, top + 96 + 17 * pen.unit);
 }
 
 startMaps();

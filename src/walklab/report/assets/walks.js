@@ -1,5 +1,5 @@
 // Players of walks: one per scene. Captured and simulated walks run in their own time from a common start.
-const STAGE = { width: 1040, height: 560, margin: 40 };
+const STAGE = { wide: 1040, narrow: 620, height: 560, margin: 40 };
 const PARTS = { arrived: "arrived", passed: "passed the end, out of reach", timeout: "still under way at the time limit" };
 
 function startPlayers() {
@@ -11,14 +11,14 @@ function startPlayer(root, scene) {
   root.querySelector(".names").textContent = scene.parameters.map(symbolOf).join(", ");
   const canvas = root.querySelector("canvas"), readout = root.querySelector(".readout");
   const state = { walk: 0, frame: 0, playing: false, shown: new Set(scene.models), speed: 1, started: 0 };
-  const scale = fitting(scene);
   const last = () => Math.max(...tracks(scene.walks[state.walk], state).map((track) => track.count)) - 1;
   const scrub = slider("time", 2, 0, (i) => (i * scene.frame_s).toFixed(2) + " s", (i) => { pause(); state.frame = i; draw(); });
   const scrubber = scrub.querySelector("input");
   const play = element("button", { type: "button", "aria-pressed": "false" }, "Play");
 
   function draw() {
-    drawStage(canvas, scene, state, scale);
+    const width = canvas.clientWidth < 600 ? STAGE.narrow : STAGE.wide;
+    drawStage(canvas, scene, state, fitting(scene, width));
     const frame = Math.floor(state.frame);
     scrubber.max = String(last());
     scrubber.value = String(frame);
@@ -97,21 +97,22 @@ function tracks(walk, state) {
 }
 
 // Scale and place of the plan in the picture: all captured walks fit, with some ground round them; what stands farther off is cut.
-function fitting(scene) {
+function fitting(scene, width) {
   const xs = [], ys = [];
   const add = (path) => { for (let i = 0; i < path.length; i += 2) { xs.push(path[i]); ys.push(path[i + 1]); } };
   scene.stations.forEach((station) => add(station.at));
   scene.walks.forEach((walk) => add(walk.captured));
   const round = 70;  // cm
   const left = Math.min(...xs) - round, right = Math.max(...xs) + round, low = Math.min(...ys) - round, high = Math.max(...ys) + round;
-  const factor = Math.min((STAGE.width) / (right - left), (STAGE.height) / (high - low));
-  const x0 = STAGE.width / 2 - factor * (left + right) / 2, y0 = STAGE.height / 2 + factor * (low + high) / 2;
-  return { factor, x: (cm) => x0 + factor * cm, y: (cm) => y0 - factor * cm };
+  const factor = Math.min(width / (right - left), STAGE.height / (high - low));
+  const x0 = width / 2 - factor * (left + right) / 2, y0 = STAGE.height / 2 + factor * (low + high) / 2;
+  return { factor, width, x: (cm) => x0 + factor * cm, y: (cm) => y0 - factor * cm };
 }
 
 function drawStage(canvas, scene, state, scale) {
-  const pen = context(canvas, STAGE.width, STAGE.height);
-  pen.font = "19px system-ui, sans-serif";
+  const pen = context(canvas, scale.width, STAGE.height);
+  const unit = Math.max(1, 0.8 * pen.unit);
+  pen.font = 14 * pen.unit + "px system-ui, sans-serif";
   const trace = (path, from, to) => {
     pen.beginPath();
     for (let i = from; i <= to; i += 1) { pen.lineTo(scale.x(path[2 * i]), scale.y(path[2 * i + 1])); }
@@ -126,7 +127,7 @@ function drawStage(canvas, scene, state, scale) {
     pen.textBaseline = "middle";
     // The name of what is partly cut stays in the picture.
     const inside = (value, size) => Math.min(Math.max(value, STAGE.margin), size - STAGE.margin);
-    pen.fillText(obstacle.name.replace(/_/g, " "), inside(scale.x(middle.x), STAGE.width), inside(scale.y(middle.y), STAGE.height));
+    pen.fillText(obstacle.name.replace(/_/g, " "), inside(scale.x(middle.x), scale.width), inside(scale.y(middle.y), STAGE.height));
   }
   const walk = scene.walks[state.walk];
   pen.lineWidth = 1;
@@ -144,11 +145,11 @@ function drawStage(canvas, scene, state, scale) {
     const to = Math.min(frame, track.count - 1), hue = colourOf(track.model);
     pen.strokeStyle = hue;
     pen.fillStyle = hue;
-    pen.lineWidth = 3;
+    pen.lineWidth = 3 * unit;
     trace(track.path, 0, to);
     pen.stroke();
-    for (let i = 0; i <= to; i += half) { dot(pen, scale.x(track.path[2 * i]), scale.y(track.path[2 * i + 1]), 4); }
-    dot(pen, scale.x(track.path[2 * to]), scale.y(track.path[2 * to + 1]), 10);
+    for (let i = 0; i <= to; i += half) { dot(pen, scale.x(track.path[2 * i]), scale.y(track.path[2 * i + 1]), 4 * unit); }
+    dot(pen, scale.x(track.path[2 * to]), scale.y(track.path[2 * to + 1]), 9 * unit);
   }
   drawLength(pen, scale);
 }
@@ -168,7 +169,7 @@ function centre(path) {
 
 // One metre, so that the picture has a scale.
 function drawLength(pen, scale) {
-  const x = STAGE.width - STAGE.margin - scale.factor * 100, y = STAGE.height - 18;
+  const x = scale.width - STAGE.margin - scale.factor * 100, y = STAGE.height - 18;
   pen.strokeStyle = INK;
   pen.lineWidth = 2;
   pen.beginPath(); pen.moveTo(x, y); pen.lineTo(x + scale.factor * 100, y); pen.stroke();
