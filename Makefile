@@ -28,7 +28,7 @@ small: .venv/ready
 resampled: .venv/ready
 	$(SNAKEMAKE) results/steering/claims.csv
 	$(SNAKEMAKE) --configfile config/resampled.yaml
-	$(SNAKEMAKE) --configfile config/resampled.yaml --report results/resampled/report.html
+	$(SNAKEMAKE) --configfile config/resampled.yaml --report results/resampled/snakemake_report.zip
 
 real: .venv/ready
 	$(SNAKEMAKE) --configfile config/cmu.yaml
