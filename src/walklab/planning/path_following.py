@@ -47,8 +47,8 @@ ARRIVAL_RADIUS_M = 0.10
 # because the paper's three parameters name neither another turning limit nor a braking limit.
 DEFAULTS = {"omega": math.inf}
 
-# ASSUME: where a task gives no start heading, the agent faces along the first leg of its route, in fitting and in evaluation alike,
-# because the paper gives no heading and an agent that is limited by omega * v cannot turn at rest.
+# ASSUME: where a task gives no start heading, the agent faces along the first leg of its route, in fitting and in evaluation
+# alike, because the paper gives no heading and an agent that is limited by omega * v cannot turn at rest.
 
 
 @dataclass(frozen=True)
