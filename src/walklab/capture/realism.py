@@ -146,12 +146,17 @@ def _distances(walks: Iterable[Walk]) -> Array:
 
 
 def goal_directed_samples(walks: Iterable[GoalDirectedWalk]) -> list[Sample]:
-    """Path shapes of the straight walks of all subjects; peak speeds of the direct walks, the spiked subjects apart."""
+    """Path shapes of the straight walks of all subjects; peak speeds of the direct walks, the spiked subjects apart.
+
+    Shapes are given a second time for those who faced the goal within 10 degrees: turning towards it is then no excuse.
+    """
     everyone = list(walks)
     source = "Maroger et al. 2020"
-    straight = [walk for walk in everyone if walk.facing_off_rad <= STRAIGHT_RAD]
-    ways = np.array([walk.distance_m for walk in straight])
-    found = _columns(SHAPE, (path_measures(walk.position_m) for walk in straight), ways, source, "recorded")
+    found: list[Sample] = []
+    for group, within_rad in (("recorded", STRAIGHT_RAD), ("recorded, facing within 10 degrees", np.deg2rad(10.0))):
+        straight = [walk for walk in everyone if walk.facing_off_rad <= within_rad]
+        ways = np.array([walk.distance_m for walk in straight])
+        found += _columns(SHAPE, (path_measures(walk.position_m) for walk in straight), ways, source, group)
     direct = [walk for walk in everyone if length(walk.position_m) <= DIRECT_RATIO * walk.distance_m]
     used = [walk for walk in direct if walk.subject not in SPIKED_SUBJECTS and walk.peak_speed_m_s <= FASTEST_GAIT_M_S]
     spiked = [walk for walk in direct if walk.subject in SPIKED_SUBJECTS]

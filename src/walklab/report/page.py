@@ -65,7 +65,7 @@ def render(contents: Contents) -> str:
     script = "\n".join(asset(name) for name in SCRIPTS)
     allowed = f"img-src data:; style-src {_digest(style)}; script-src {_digest(script)}"
     policy = f"default-src 'none'; {allowed}; base-uri 'none'; form-action 'none'"
-    frames = contents.frames
+    frames, kind = contents.frames, contents.record["config"]["source"]["kind"]
     return (
         environment()
         .get_template("report.html")
@@ -75,7 +75,8 @@ def render(contents: Contents) -> str:
             script=Markup(script),
             record=contents.record,
             configuration=yaml.safe_dump(dict(contents.record["config"]), sort_keys=False, allow_unicode=True),
-            synthetic=contents.record["config"]["source"]["kind"] == "synthetic",
+            synthetic=kind in ("synthetic", "resampled"),
+            resampled=kind == "resampled",
             paper=contents.paper,
             sections=[_section(section, contents) for section in SECTIONS],
             present=set(frames) | set(contents.figures),

@@ -33,7 +33,7 @@ class Section:
 
 SECTIONS = (
     Section("question", "The question"),
-    Section("capture", "Capture", ("fig03", "fig04"), ("Setting", "Capture"), ("capture", "rejections")),
+    Section("capture", "Capture", ("fig03", "fig04"), ("Setting", "Capture"), ("capture", "rejections", "realism")),
     Section("maps", "Suitability maps", ("fig05",)),
     Section("space", "Blending space", ("fig06", "dependency_clouds"), (), ("density",)),
     Section("model", "Run-time model", ("fig08", "fig09"), ("Model",), ("optimum",), interactive="maps"),
@@ -41,7 +41,7 @@ SECTIONS = (
     Section("statistics", "Statistics", ("fig11", "fig12"), (), ("description_", "comparisons_", "mixed_")),
     Section("analyses", "Analyses", ("fig13", "fig14"), (), ("ablations", "leave_out", "neighbours", "timings")),
     Section("long_distance", "Long distances", ("fig15",), ("Analyses",), ("long_distance", "long_distance_optimum", "saving")),
-    Section("verdicts", "Verdicts", ("claims",), ("Verdicts",), ("claims",)),
+    Section("verdicts", "Verdicts", ("claims",), ("Verdicts",), ("claims", "verdicts")),
     Section(
         "forecasts",
         "Forecasts and calibration",
