@@ -45,11 +45,27 @@ def test_a_dry_run_of_the_papers_study_plans_every_stage(project):
     assert "cross_validate" not in planned
 
 
+def test_a_resampled_study_plans_the_same_stages_and_leaves_out_its_own_realism(project):
+    folder = project.folder / "recordings"
+    folder.mkdir()
+    (project.folder / "claims.csv").write_text("id\n")
+    chosen = "{source: {kind: resampled, path: recordings}, compare_verdicts: {other: claims.csv}, run: resampled}"
+    (project.folder / "chosen.yaml").write_text(chosen)
+    resampled = jobs(project.run("--dry-run", "--cores", "2", *TINY, "chosen.yaml"))
+    default = jobs(project.run("--dry-run", "--cores", "2", *TINY))
+    assert resampled - default == {"import_shapes", "compare_verdicts"}
+    assert default - resampled == {"measure_realism", "draw_realism"}
+
+
 def test_the_whole_study_leaves_every_figure_table_and_record(finished):
     results = finished.folder / "results/tiny"
     for number in (3, 4, 5, 6, 8, 9, 10, 11, 12, 13, 14, 15):
         for suffix in ("svg", "png"):
             assert (results / f"figures/fig{number:02d}.{suffix}").stat().st_size > 5_000
+    realism = pd.read_csv(results / "realism.csv")
+    assert {"lateral_excursion", "peak_speed", "rise_time"} <= set(realism["quantity"])
+    assert realism["n_recorded"].sum() > 0 or realism["remark"].str.contains("WALKLAB_DATA").all()
+    assert (results / "figures/realism.png").stat().st_size > 5_000
     claims = pd.read_csv(results / "claims.csv")
     assert {"id", "section", "statement", "published", "ours", "verdict", "note"} <= set(claims)
     assert len(claims) > 50
