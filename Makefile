@@ -2,6 +2,8 @@
 # make small    the same study, shrunk to about a minute
 # make resampled the same study on walks resampled from recordings, its verdicts beside those of make (needs WALKLAB_DATA)
 # make real     leave-one-subject-out on real walks (needs WALKLAB_DATA)
+# make replicates   the study on 20 synthetic populations, without figures and ablations
+# make recovery     does the method recover a known distribution? walks made by the planner itself
 # make test     all tests          make lint   all checks of style and structure
 # make bench    every benchmark beside its baseline: results/bench/summary.json
 # make track    log a finished run to MLflow (RUN=results/steering, URI=...)
@@ -14,7 +16,7 @@ BIN := .venv/bin
 SNAKEMAKE := $(BIN)/snakemake
 export WALKLAB_DATA ?= ../shared/data
 
-.PHONY: all small resampled real own test bench track crate lint manual lock clean
+.PHONY: all small resampled real own replicates recovery test bench track crate lint manual lock clean
 .DEFAULT_GOAL := all
 
 all: .venv/ready
@@ -37,6 +39,14 @@ real: .venv/ready
 own: .venv/ready
 	$(SNAKEMAKE) --configfile config/own.yaml
 	$(SNAKEMAKE) --configfile config/own.yaml --report results/own/snakemake_report.zip
+
+replicates: .venv/ready
+	$(SNAKEMAKE) --configfile config/replicates.yaml
+	$(SNAKEMAKE) --configfile config/replicates.yaml --report results/replicates/snakemake_report.zip
+
+recovery: .venv/ready
+	$(SNAKEMAKE) recovery --configfile config/recovery.yaml
+	$(SNAKEMAKE) recovery --configfile config/recovery.yaml --report results/recovery/snakemake_report.zip
 
 # One call, the longest files first: while a test of the DAG waits for a job, another worker uses the other core.
 test: .venv/ready .venv/tracking .venv/validator/ready

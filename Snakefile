@@ -11,6 +11,8 @@ include: "workflow/rules/evaluation.smk"
 include: "workflow/rules/forecasts.smk"
 include: "workflow/rules/verdicts.smk"
 include: "workflow/rules/figures.smk"
+include: "workflow/rules/replicates.smk"
+include: "workflow/rules/recovery.smk"
 include: "workflow/rules/record.smk"
 include: "workflow/rules/report.smk"
 
@@ -21,6 +23,13 @@ report: "workflow/report/workflow.rst"
 rule all:
     default_target: True
     input:
-        STEERING if SYNTHETIC else REAL,
+        PRODUCTS,
         f"{RUN}/run.json",
-        rules.build_report.output,
+        # The page shows one population; many have their tables and figures.
+        [] if REPLICATED else rules.build_report.output,
+
+
+rule recovery:
+    input:
+        rules.recover_distribution.output.recovery,
+        rules.draw_recovery.output,

@@ -81,7 +81,7 @@ def test_one_core_and_four_shards_give_the_same_data_as_two_and_two(finished, pr
     project.run("--cores", "1", *TINY, "--config", "shards=4", "--until", "check_claims")
     sharded = ("record_training", "extract_training", "plan_training", "score_maps")
     ours, theirs = project.checksums(skip=sharded), finished.checksums(skip=sharded)
-    assert {"claims.csv", "0/ablate_parameters/ablations.csv", "0/leave_out/summary.csv"} <= set(ours)
+    assert {"0/check_claims/claims.csv", "0/ablate_parameters/ablations.csv", "0/leave_out/summary.csv"} <= set(ours)
     assert ours == {name: theirs[name] for name in ours}
     for stage, file in (("extract_training", "samples.parquet"), ("plan_training", "vectors.parquet")):
         first, second = (
@@ -107,7 +107,7 @@ def test_an_edited_module_reruns_exactly_its_dependents(finished_copy):
     edit(finished_copy.folder / "src/walklab/evaluation/production.py", "\nfrom ", "\nEDITED = True\nfrom ")
     rerun = jobs(finished_copy.run("--dry-run", "--cores", "2", *TINY))
     assert "estimate_saving" in rerun
-    assert rerun <= {"estimate_saving", "check_claims", "draw_claims", *LISTING}
+    assert rerun <= {"estimate_saving", "check_claims", "draw_claims", "publish_scores", *LISTING}
 
 
 def test_a_changed_parameter_reruns_its_stage_and_what_follows(finished_copy):

@@ -46,7 +46,7 @@ rule record_training:
         participants=rules.draw_participants.output.participants,
         plans=TURN_PLANS,
     output:
-        recording=stage("record_training", "recording.parquet", "shard"),
+        recording=bulky(stage("record_training", "recording.parquet", "shard")),
         truth=stage("record_training", "truth.parquet", "shard"),
     log:
         stage("record_training", "log.txt", "shard"),
@@ -65,7 +65,7 @@ rule record_scenario:
         participants=rules.draw_participants.output.participants,
         plan=lambda wildcards: CONFIG["scenarios"][wildcards.scenario],
     output:
-        poses=stage("record_scenario", "poses.parquet", "scenario"),
+        poses=bulky(stage("record_scenario", "poses.parquet", "scenario")),
         truth=stage("record_scenario", "truth.parquet", "scenario"),
     log:
         stage("record_scenario", "log.txt", "scenario"),

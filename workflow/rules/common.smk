@@ -65,6 +65,8 @@ config.update(CONFIG)  # what the report's text sees
 RUN = f"results/{CONFIG['run']}"
 PAPER = shipped("config/papers/agethen_steering.yaml")
 REPLICATES = range(CONFIG["replicates"])
+# Several populations: claims and scores over all of them instead of the figures of one.
+REPLICATED = CONFIG["replicates"] > 1
 SHARDS = range(CONFIG["shards"])
 SCENARIOS = list(CONFIG["scenarios"])
 
@@ -100,6 +102,11 @@ def stage(name, file, *wildcards):
 def first(path):
     """A product of replicate 0, which figures and tables show."""
     return path.replace("{replicate}", "0")
+
+
+def bulky(path):
+    """A file that is read once; of many populations it is deleted after that, since all together would fill a disk."""
+    return temp(path) if REPLICATED else path
 
 
 def assumption_sources():

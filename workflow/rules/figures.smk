@@ -210,7 +210,7 @@ rule draw_fig15:
 
 rule draw_claims:
     input:
-        claims=rules.check_claims.output.claims,
+        claims=first(rules.check_claims.output.claims),
     output:
         figure("claims", "Verdicts"),
     log:

@@ -30,9 +30,13 @@ STEERING = [
     *([] if RESAMPLED else [f"{RUN}/realism.csv", f"{RUN}/figures/realism.svg"]),
     *([f"{RUN}/verdicts.csv"] if CONFIG["compare_verdicts"]["other"] else []),
     *(f"{RUN}/tables/{name}.html" for name in TABLES),
-    *expand(
-        rules.simulate_trials.output.trials, scenario=SCENARIOS, replicate=REPLICATES
-    ),
+]
+# The study of many populations.
+POPULATIONS = [
+    f"{RUN}/claims.csv",
+    f"{RUN}/scores.csv",
+    f"{RUN}/figures/replicated_claims.svg",
+    f"{RUN}/figures/replicated_scores.svg",
 ]
 # Leave-one-subject-out on real or own walks.
 REAL = [
@@ -43,15 +47,18 @@ REAL = [
     f"{RUN}/figures/fig06.svg",
     f"{RUN}/model_card.md",
 ]
+PRODUCTS = (POPULATIONS if REPLICATED else STEERING) if SYNTHETIC else REAL
 
 
-if SYNTHETIC:
+if SYNTHETIC and not REPLICATED:
 
     rule publish_scores:
         input:
+            claims=first(rules.check_claims.output.claims),
             scores=first(rules.score_forecasts.output.scores),
             calibration=first(rules.score_forecasts.output.calibration),
         output:
+            claims=f"{RUN}/claims.csv",
             scores=report(
                 f"{RUN}/scores.csv", caption="../report/table.rst", category="Tables"
             ),
@@ -61,9 +68,10 @@ if SYNTHETIC:
         benchmark:
             first(stage("publish_scores", "benchmark.tsv"))
         shell:
-            "{{ cp {input.scores} {output.scores} && cp {input.calibration} {output.calibration}; }} 2> {log}"
+            "{{ cp {input.claims} {output.claims} && cp {input.scores} {output.scores}"
+            " && cp {input.calibration} {output.calibration}; }} 2> {log}"
 
-else:
+elif not SYNTHETIC:
 
     rule publish_scores:
         input:
@@ -104,7 +112,7 @@ rule describe_model:
 
 rule record_run:
     input:
-        STEERING if SYNTHETIC else REAL,
+        PRODUCTS,
     output:
         record=f"{RUN}/run.json",
     log:
@@ -121,7 +129,9 @@ rule record_run:
 
 
 onstart:
-    print(announce())
+    # The estimate is that of the whole study.
+    if not workflow.dag_settings.targets:
+        print(announce())
 
 
 onsuccess:

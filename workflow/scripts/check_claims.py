@@ -12,8 +12,9 @@ def tables_of(files, scenarios):
         name: by_dataset(dict(zip(scenarios, map(read_table, files[name]), strict=True)))
         for name in ("description", "percentiles", "reductions", "comparisons")
     }
+    # A run without the ablations says so beside each claim that needs them.
     single = ("optimum", "ablations", "leave_one_out", "neighbours", "neighbour_timings", "long_distance", "production")
-    return tables | {name: read_table(files[name]) for name in single}
+    return tables | {name: read_table(files[name]) for name in single if hasattr(files, name)}
 
 
 if __name__ == "__main__":

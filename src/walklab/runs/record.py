@@ -85,10 +85,15 @@ def stage_cost(path: str | Path) -> dict[str, Any]:
 
 
 def brief(path: Path, products: Sequence[Path], columns: Sequence[str]) -> list[dict[str, Any]]:
-    """The named columns of a product, a dictionary per row; rows that split a score by hull are left out."""
+    """The named columns of a product, a dictionary per row; rows that split a score by hull are left out.
+
+    Empty for a table of another kind, without the last column, as the tables over many replicates are.
+    """
     if path not in products:
         return []
     table = read_table(path)
+    if columns[-1] not in table:
+        return []
     if "hull" in table:
         table = table[table["hull"] == "all"]
     kept = table[[name for name in columns if name in table]]

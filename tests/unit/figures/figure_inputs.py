@@ -9,7 +9,7 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, real, realism
+from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, real, realism, recovery, replicates
 from walklab.geometry.plans import Plan, Station
 from walklab.geometry.scene import Scene, disc
 from walklab.steering.space import Axis, ParameterSpace
@@ -164,6 +164,58 @@ def calibration() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["scenario", "model", "quantity", "at", "value"])
 
 
+def counted_claims() -> pd.DataFrame:
+    rows = [
+        ("7.4", "a median", 20, 3, 0.05, 0.36, 15, 0.53, 0.89),
+        ("8.1", "a statement", 20, 20, 0.84, 1.0, np.nan, np.nan, np.nan),
+        ("8.1", "an ablation", 0, *[np.nan] * 6),
+    ]
+    names = [f"{name}{end}" for name in ("reproduced", "direction_held") for end in ("", "_low", "_high")]
+    return pd.DataFrame(rows, columns=["section", "statement", "replicates", *names])
+
+
+def pooled_scores() -> pd.DataFrame:
+    models = ("P_Stat", "P_Prob (calibrated)", "P_Prob (extended)", "regression, earlier walks")
+    keys = ["scenario", "hull", "measure", "model", "information", "against"]
+    rows = [
+        (scenario, "all", measure, model, "task" if "earlier" not in model else "task and earlier walks", "")
+        for scenario in ("scenario_1", "scenario_2")
+        for measure in ("crps_s", "coverage_90")
+        for model in models
+    ]
+    rows += [
+        (scenario, "all", "crps_difference_s", model, "task", other)
+        for scenario in ("scenario_1", "scenario_2")
+        for model in models[1:3]
+        for other in models
+        if other != model
+    ]
+    return pd.DataFrame(rows, columns=keys).assign(value=0.5, low=0.4, high=0.6)
+
+
+def recovered() -> pd.DataFrame:
+    rows = [
+        (walks, resolution, 0, task, model, measure, parameter, 0.3)
+        for walks, resolution in ((100, 5), (300, 5), (100, 9))
+        for task in ("straight_2.0", "turn_90_3.0")
+        for model in ("P_Prob (literal)", "P_Prob (calibrated)", "P_Prob, sharpened before blending")
+        for measure, parameter in (("ks", "v"), ("ks", "a"), ("ks", "omega"), ("energy", "all"))
+    ]
+    names = ["walks", "resolution", "repetition", "task", "model", "measure", "parameter", "value"]
+    return pd.DataFrame(rows, columns=names)
+
+
+def recovered_densities() -> pd.DataFrame:
+    rows = [
+        (task, model, parameter, at, at)
+        for task in ("straight_2.0", "turn_90_3.0")
+        for model in ("known", "P_Prob (literal)", "P_Prob, sharpened before blending")
+        for parameter in ("v", "a", "omega")
+        for at in (0.2, 1.0, 1.8)
+    ]
+    return pd.DataFrame(rows, columns=["task", "model", "parameter", "at", "density"])
+
+
 def run_time() -> dict[str, Any]:
     fine = np.linspace(0.1, 1.3, 9)
     draws = np.random.default_rng(3).uniform(0.1, 1.3, (12, 3))
@@ -206,4 +258,7 @@ FIGURES: dict[str, Draw] = {
     "pit": lambda: forecasts.fig_pit(calibration()),
     "realism": lambda: realism.fig_realism(realism_values()),
     "realism_alone": lambda: realism.fig_realism(realism_values().query("group == 'synthetic'")),
+    "replicated_claims": lambda: replicates.fig_counted_claims(counted_claims()),
+    "replicated_scores": lambda: replicates.fig_pooled_scores(pooled_scores()),
+    "recovery": lambda: recovery.fig_recovery(recovered(), recovered_densities()),
 }

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from walklab.errors import InputError
-from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, real
+from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, real, recovery, replicates
 from walklab.figures.style import DOUBLE_MM, MODEL_COLOURS, SINGLE_MM, colour, save, style
 
 every_figure = pytest.mark.parametrize("draw", FIGURES.values(), ids=FIGURES)
@@ -132,6 +132,13 @@ def test_a_claim_in_words_has_a_verdict_but_no_ratio() -> None:
     assert any(line.get_marker() == "^" for line in ax.get_lines())
 
 
+def test_a_counted_claim_stands_at_its_share_and_one_that_was_never_checked_is_not_drawn() -> None:
+    ax = replicates.fig_counted_claims(inputs.counted_claims()).axes[0]
+    points = [tuple(line.get_xydata()[0]) for line in ax.get_lines() if line.get_marker() != "None"]
+    assert sorted(x for x, _ in points) == [0.15, 0.75, 1.0]
+    assert [text.get_text().split("  ")[1] for text in ax.get_yticklabels()] == ["a median", "a statement"]
+
+
 @pytest.mark.parametrize("axes", [2, 4])
 def test_maps_over_two_or_four_parameters_are_drawn(axes: int) -> None:
     base = inputs.space().axes[0]
@@ -177,6 +184,9 @@ BLANK: dict[str, Callable[[Callable[[pd.DataFrame], pd.DataFrame]], Figure]] = {
     "forecast_scores": lambda empty: forecasts.fig_forecast_scores(empty(inputs.forecast_scores())),
     "calibration": lambda empty: forecasts.fig_calibration(empty(inputs.calibration())),
     "pit": lambda empty: forecasts.fig_pit(empty(inputs.calibration())),
+    "replicated_claims": lambda empty: replicates.fig_counted_claims(empty(inputs.counted_claims())),
+    "replicated_scores": lambda empty: replicates.fig_pooled_scores(empty(inputs.pooled_scores())),
+    "recovery": lambda empty: recovery.fig_recovery(inputs.recovered(), empty(inputs.recovered_densities())),
 }
 
 

@@ -6,11 +6,13 @@ import json
 import os
 import platform
 
+import pandas as pd
 import pytest
 
 from walklab.errors import InputError
 from walklab.runs.io import read_record
-from walklab.runs.record import commit, processor, stage_cost
+from walklab.runs.record import commit, processor, record, stage_cost
+from walklab.storage import write_table
 
 
 def test_claims_scores_and_products_are_kept_in_brief(run):
@@ -22,6 +24,14 @@ def test_claims_scores_and_products_are_kept_in_brief(run):
     assert found["products"]["figures/fig11.svg"] == hashlib.sha256(figure.read_bytes()).hexdigest()
     assert found["code"] == {"score_maps.py": "digest 100"}
     assert found["versions"]["numpy"]
+
+
+def test_tables_over_many_replicates_are_products_without_a_brief(tmp_path):
+    path = tmp_path / "results/replicates/claims.csv"
+    write_table(pd.DataFrame({"id": ["first"], "published": [0.453], "reproduced": [3]}), path)
+    found = record({"run": "replicates", "seed": 1}, tmp_path, [], {}, [str(path)], path.parent)
+    assert found["claims"] == []
+    assert list(found["products"]) == ["claims.csv"]
 
 
 def test_nobody_is_named(run):
