@@ -135,4 +135,5 @@ onstart:
 
 
 onsuccess:
-    print(f"The report is {RUN}/report.html, all results are in {RUN}/.")
+    page = "" if REPLICATED else f"The report is {RUN}/report.html; all"
+    print(f"{page or 'All'} results are in {RUN}/.")
