@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 
 from walklab.capture.own import OwnColumns, import_walks
-from walklab.capture.walks import ACCEPTED, Walk
+from walklab.capture.walks import ACCEPTED, Walk, pair
 from walklab.errors import InputError
 from walklab.geometry.scene import Body, Scene
 from walklab.planning.registry import make_planner
@@ -59,7 +59,7 @@ def fit_walks(
         If the table cannot be read, or the walks are too few.
     """
     table, samples = import_walks(path, columns, length_unit, time_unit, rate_hz, height_unit=height_unit)
-    walks = _accepted(table, samples)
+    walks = _accepted(table, samples, path)
     grid = space_from_config(PAPER_SPACE) if space is None else space
     planner = make_planner("path_following", grid.names, STEP_S)
     routes = find_routes(walks, {"open": Scene("open"), **(scenes or {})}, planner, Body())
@@ -73,12 +73,8 @@ def fit_walks(
     return train(scores, vectors, people, grid, chosen, np.random.default_rng(seed), provenance=provenance)
 
 
-def _accepted(table: pd.DataFrame, samples: pd.DataFrame) -> list[Walk]:
-    groups = dict(iter(samples.groupby("walk", sort=False)))
-    accepted = table[table["rejection"] == ACCEPTED].reset_index(drop=True)
-    if len(accepted) < 2:
-        raise InputError(f"{len(accepted)} walks were accepted; a model needs at least 2")
-    return [
-        Walk(row, groups[row["walk"]]["time_s"].to_numpy(), groups[row["walk"]][["x_m", "y_m"]].to_numpy())
-        for _, row in accepted.iterrows()
-    ]
+def _accepted(table: pd.DataFrame, samples: pd.DataFrame, path: str | Path) -> list[Walk]:
+    accepted = int((table["rejection"] == ACCEPTED).sum())
+    if accepted < 2:
+        raise InputError(f"{accepted} walks were accepted; a model needs at least 2")
+    return pair(table, samples, path)

@@ -126,12 +126,16 @@ def report_assets():
     return sorted(os.path.relpath(path) for path in assets)
 
 
-def announce():
-    """One paragraph before the run: what it computes, about how long and how much disk it takes."""
-    walks_per_set = sum(
+def walks_per_set():
+    """Walks in one set of all scenarios together."""
+    return sum(
         len(load_plan(ROOT / path).walks) for path in CONFIG["scenarios"].values()
     )
-    return f"walklab {CONFIG['run']}: {estimate(CONFIG, walks_per_set, workflow.cores)} in {RUN}/."
+
+
+def announce():
+    """One paragraph before the run: what it computes, about how long and how much disk it takes."""
+    return f"walklab {CONFIG['run']}: {estimate(CONFIG, walks_per_set(), workflow.cores)} in {RUN}/."
 
 
 def source_files(wildcards):

@@ -9,9 +9,9 @@ from walklab.evaluation.calibration import candidate_table, choose_walks, chosen
 from walklab.evaluation.calibration_files import write_calibration
 from walklab.evaluation.simulated_times import travel_times
 from walklab.randomness import generator
-from walklab.steering.interpolation import GridInterpolant
+from walklab.steering.interpolation import interpolant_named
 from walklab.steering.io import read_blending_space, read_static_fit
-from walklab.steering.modes import modes
+from walklab.steering.modes import highest_points
 from walklab.storage import write_table
 
 if __name__ == "__main__":
@@ -35,13 +35,16 @@ if __name__ == "__main__":
             *follow,
             model["k"],
             model["weights"],
+            params.blending_space["scaling"],
         )
         table = pd.concat([candidate_table(evidence), extended_table(evidence)], ignore_index=True)
         write_table(table, snakemake.output.candidates)
         write_calibration(chosen(table), snakemake.output.calibration)
         # What P_Stat and P_Adapt are off by on training walks is their spread as forecasts.
-        grid = GridInterpolant(space.shape, model["kernel"], model["epsilon"])
-        adaptive = space.from_unit(modes(grid, grid.coefficients(evidence.suitability), *space.to_unit(space.bounds.T))[0])
+        grid = interpolant_named(model["basis"], space.shape, model["kernel"], model["epsilon"])
+        adaptive = space.from_unit(
+            highest_points(grid, grid.coefficients(evidence.suitability), *space.to_unit(space.bounds.T))[0]
+        )
         static = np.tile(read_static_fit(files.static).optimum, (len(asked), 1))
         walks = [known.walks[row] for row in asked]
         residuals = pd.DataFrame({"walk": [str(walk.row["walk"]) for walk in walks], "participant": evidence.participants})

@@ -1,11 +1,13 @@
 """What the capture scripts make of their parameters."""
 
 from collections.abc import Iterable, Mapping
+from typing import Any
 
 import pandas as pd
 
 from walklab.capture.constants import WalkerConstants, without_dependency_effects, without_repetition_variation
 from walklab.capture.io import read_participants
+from walklab.capture.participants import Distribution, Group
 from walklab.capture.real_shapes import read_shapes
 from walklab.capture.resampling import resampled_person
 from walklab.capture.walker import MakePerson, person_from_row
@@ -28,6 +30,13 @@ def people_of(shapes: str, seed: int) -> MakePerson:
         return person_from_row
     found = read_shapes(shapes)
     return lambda row, constants: resampled_person(row, constants, found, seed)
+
+
+def group_of(name: str, group: Mapping[str, Any]) -> Group:
+    """A group of participants from its section of the configuration."""
+    return Group(
+        name, group["count"], group["female"], *(Distribution(**group[key]) for key in ("age_years", "height_m", "mass_kg"))
+    )
 
 
 def participants_of_group(path: str, group: str) -> pd.DataFrame:

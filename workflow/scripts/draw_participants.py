@@ -6,9 +6,10 @@ from typing import Any
 import pandas as pd
 
 from adapter import job
+from capture_inputs import group_of
 from walklab.capture.constants import WalkerConstants
 from walklab.capture.io import write_participants
-from walklab.capture.participants import Distribution, Group, draw_participants
+from walklab.capture.participants import draw_participants
 from walklab.randomness import generator
 
 
@@ -16,16 +17,10 @@ def draw(groups: Mapping[str, Mapping[str, Any]], seed: int, replicate: int) -> 
     """All participants, one row each."""
     return pd.concat(
         [
-            draw_participants(as_group(name, group), WalkerConstants(), generator(seed, replicate, "participants", name))
+            draw_participants(group_of(name, group), WalkerConstants(), generator(seed, replicate, "participants", name))
             for name, group in groups.items()
         ],
         ignore_index=True,
-    )
-
-
-def as_group(name: str, group: Mapping[str, Any]) -> Group:
-    return Group(
-        name, group["count"], group["female"], *(Distribution(**group[key]) for key in ("age_years", "height_m", "mass_kg"))
     )
 
 

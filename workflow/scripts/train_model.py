@@ -1,7 +1,7 @@
 """Train the run-time model: interpolate every map of the blending space once and for all."""
 
 from adapter import job
-from walklab.steering.interpolation import GridInterpolant
+from walklab.steering.interpolation import interpolant_named
 from walklab.steering.io import read_blending_space, write_model
 from walklab.steering.models import probabilistic_model
 
@@ -12,7 +12,7 @@ if __name__ == "__main__":
         model = probabilistic_model(
             blending,
             space,
-            GridInterpolant(space.shape, choices["kernel"], choices["epsilon"]),
+            interpolant_named(choices["basis"], space.shape, choices["kernel"], choices["epsilon"]),
             k=choices["k"],
             weights=choices["weights"],
             exponent=choices["exponent"],

@@ -126,6 +126,7 @@ def read_walks(walks_path: str | Path, samples_path: str | Path) -> list[Walk]:
 
 def pair(walks: pd.DataFrame, samples: pd.DataFrame, source: str | Path) -> list[Walk]:
     """The accepted walks of both tables, in the order of the walks table; errors as of :func:`read_walks`."""
+    walks = walks[walks["rejection"] == ACCEPTED].reset_index(drop=True)
     rows = samples.groupby("walk", sort=False).indices
     times_s, positions_m = samples["time_s"].to_numpy(), samples[["x_m", "y_m"]].to_numpy()
     result = []

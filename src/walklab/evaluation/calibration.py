@@ -26,7 +26,7 @@ from walklab.geometry.standing import Standing
 from walklab.planning.protocol import Planner
 from walklab.planning.tracing import Traces
 from walklab.steering.blending_space import BlendingSpace
-from walklab.steering.scaling import fit_scaling
+from walklab.steering.scaling import ScalingRule, fit_scaling
 from walklab.steering.sharpness import Sharpness, cell_volumes
 from walklab.steering.space import ParameterSpace
 from walklab.steering.suitability import Normalisation, normalise
@@ -83,6 +83,7 @@ def blend_others(
     maps: Iterable[Array],
     k: int,
     how: Weighting,
+    scaling_rule: ScalingRule = "standard_deviation",
 ) -> list[Array]:
     """Blends for training walks, each from entries in which the walk's participant has no part.
 
@@ -110,7 +111,7 @@ def blend_others(
         if not len(rows):
             continue
         foreign = ~(np.isin(blending.parents, own) & used).any(axis=1)
-        scaling = fit_scaling(blending.vectors[known], owners[known].tolist())
+        scaling = fit_scaling(blending.vectors[known], owners[known].tolist(), scaling_rule)
         # Entries keep their parents' numbers, which are rows of all captured walks.
         others = replace(
             blending,
@@ -252,6 +253,7 @@ def evidence_of(
     time_limit_s: float,
     k: int,
     how: Weighting,
+    scaling_rule: ScalingRule = "standard_deviation",
 ) -> Evidence:
     """The evidence of the training walks ``asked`` (rows).
 
@@ -261,7 +263,7 @@ def evidence_of(
     """
     people = [str(walk.row["participant"]) for walk in walks]
     suitability = normalise(scores, normalisation)
-    blended, metric = blend_others(blending, people, asked, vectors[asked], (suitability, scores), k, how)
+    blended, metric = blend_others(blending, people, asked, vectors[asked], (suitability, scores), k, how, scaling_rule)
     chosen_walks = [walks[row] for row in asked]
     traces, places = trace_walks(chosen_walks, routes, planner, space, standing, time_limit_s)
     return Evidence(

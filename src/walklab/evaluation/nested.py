@@ -62,7 +62,9 @@ def learn(
     maps = model.blending.maps[: len(participants)]
     people = len(set(participants))
     k = min(settings.k, len(participants) - max(list(participants).count(name) for name in set(participants)))
-    (suitability,) = blend_others(model.blending, participants, everybody, vectors, (maps,), k, settings.weights)
+    (suitability,) = blend_others(
+        model.blending, participants, everybody, vectors, (maps,), k, settings.weights, settings.scaling
+    )
     bare = mean_of_others(participants, everybody, maps)
     volumes = cell_volumes(model.space)
     evidence = Evidence(participants, captured_s, suitability, suitability, bare, traces, distances_m, volumes)

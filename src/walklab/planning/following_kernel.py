@@ -15,7 +15,7 @@ Array = NDArray[np.float64]
 
 State = tuple[float, float, float, float, float, int, int, float, int]  # x, y, heading, speed, leg, leg ahead, progress, status
 Limits = tuple[float, float, float, float]  # v, a, omega, b
-Rule = tuple[float, bool, int, float]  # look-ahead distance, braking, turn law, step
+Rule = tuple[float, bool, int, float, float]  # look-ahead distance, braking, turn law, step, radius that ends a walk (0: none)
 
 PROPORTIONAL, CONSTANT = 0, 1  # turn laws: largest turning rate omega * speed, or omega itself
 WALKING, AT_END = 0, 1
@@ -126,11 +126,12 @@ def step(route: Array, state: State, limits: Limits, end_speed: float, rule: Rul
     """One step of a walker: speed, heading, position, progress.
 
     The status is AT_END once the progress has reached the end of the route; the last step is cut where it
-    crosses the line through the end at right angles to the last leg.
+    crosses the line through the end at right angles to the last leg. With a radius that ends a walk, the status is AT_END as
+    well once the walker is that near to the end, and its step is not cut.
     """
     x, y, hx, hy, speed, leg, ahead_leg, progress, _ = state
     v, a, omega, b = limits
-    look_ahead_m, braking, turn_law, step_s = rule
+    look_ahead_m, braking, turn_law, step_s, radius_m = rule
     total = route[-1, 2]
     new_speed = next_speed(speed, v, a, b, end_speed, total - progress, braking, step_s)
     travelled = 0.5 * (speed + new_speed) * step_s
@@ -145,6 +146,10 @@ def step(route: Array, state: State, limits: Limits, end_speed: float, rule: Rul
     hx, hy = turned(hx, hy, tx, ty, angle)
     new_x, new_y = x + travelled * hx, y + travelled * hy
     leg, progress = advance(route, leg, ahead_leg, progress, look_ahead_m, new_x, new_y)
+    # Twice the radius along the route: who merely passes by the end on the way there has not arrived.
+    near = radius_m > 0.0 and total - progress <= 2.0 * radius_m
+    if near and (new_x - route[-1, 0]) ** 2 + (new_y - route[-1, 1]) ** 2 <= radius_m * radius_m:
+        return new_x, new_y, hx, hy, new_speed, leg, ahead_leg, total, AT_END
     if progress < total - END_TOLERANCE_M:
         return new_x, new_y, hx, hy, new_speed, leg, ahead_leg, progress, WALKING
     last = route.shape[0] - 2
@@ -185,14 +190,24 @@ def follow_route(
 
 
 @njit(cache=True)
-def score_cell(route: Array, captured: Array, start_speed: float, end_speed: float, limits: Limits, rule: Rule) -> float:
-    """Sum of the distances between a captured and a simulated walk over the captured frames, metres."""
+def score_cell(
+    route: Array, captured: Array, start_speed: float, end_speed: float, limits: Limits, rule: Rule, beyond: int = 0
+) -> float:
+    """Sum of the distances between a captured and a simulated walk over the captured frames, metres.
+
+    With ``beyond`` steps above 0 it goes on, the captured person standing, until the simulated walk has ended too or so many
+    steps are taken in all.
+    """
     state = standing_at_start(route, route[0, 3], route[0, 4], start_speed)
     total = 0.0
-    for n in range(captured.shape[0]):
+    last = captured.shape[0] - 1
+    for n in range(max(last, beyond) + 1):
+        if n > last and state[8] == AT_END:
+            break
         if n > 0 and state[8] == WALKING:
             state = step(route, state, limits, end_speed, rule)
-        total += np.sqrt((captured[n, 0] - state[0]) ** 2 + (captured[n, 1] - state[1]) ** 2)
+        at = min(n, last)
+        total += np.sqrt((captured[at, 0] - state[0]) ** 2 + (captured[at, 1] - state[1]) ** 2)
     return total
 
 
@@ -208,11 +223,12 @@ def sweep(
     cells: Array,
     rule: Rule,
     scores: Array,
+    beyond: int = 0,
 ) -> None:
     """m_Euclid of the walks in ``order`` and all parameter vectors, seconds: fills their rows of ``scores``, (walks, cells).
 
     ``routes`` holds prepared routes back to back, ``end_speeds`` the speeds at the starts and at the ends. Several threads may
-    each fill the rows of their own walks.
+    each fill the rows of their own walks. ``beyond`` is as in :func:`score_cell`.
     """
     for walk in order:
         route = routes[route_offsets[walk] : route_offsets[walk + 1]]
@@ -220,7 +236,7 @@ def sweep(
         start_speed, end_speed = end_speeds[0][walk], end_speeds[1][walk]
         for cell in range(cells.shape[0]):
             limits = (cells[cell, 0], cells[cell, 1], cells[cell, 2], cells[cell, 3])
-            distances = score_cell(route, frames, start_speed, end_speed, limits, rule)
+            distances = score_cell(route, frames, start_speed, end_speed, limits, rule, beyond)
             scores[walk, cell] = distances * rule[3] / lengths[walk]
 
 

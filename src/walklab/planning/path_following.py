@@ -34,13 +34,15 @@ LANE_ACCELERATION_M_S2 = 100.0
 TURNS_AT_ONCE = 1e6  # stands for an infinite omega in lanes: half a turn within 3 micrometres
 THREADED_STEPS = 100_000  # of one walker after the other, some 2 ms; threads cost a tenth of that
 TURN_LAWS = {"proportional": PROPORTIONAL, "constant": CONSTANT}
+LINE, RADIUS = "line", "radius"  # what ends a walk
 
 # ASSUME: the look-ahead distance is 0.30 m, because the paper gives none; it is about half a step, so that a corner is cut by a
 # few centimetres as people do, and the shortest walks (0.5 m) are still longer than it.
 LOOK_AHEAD_M = 0.30
 
 # ASSUME: a walk has arrived if it comes to its end within 0.10 m, because the paper defines no arrival; captured standing
-# positions scatter by about as much around the same mark.
+# positions scatter by about as much around the same mark. It ends at the line through the route's end (``ends_at``), because
+# people walk up to their mark; ending it within the radius is the other reading.
 ARRIVAL_RADIUS_M = 0.10
 
 # ASSUME: an agent turns by any angle at once when omega is not a parameter, and brakes as hard as it accelerates when b is not,
@@ -63,7 +65,9 @@ class PathFollowing:
     The walk ends when the nearest route point is the route's end; the last step is cut there, and the agent stands
     from then on (with whatever speed a cut corner or ``braking=False`` left it). It has *arrived* if it then is within
     ``arrival_radius_m`` of the end, else it has *passed*: its turning circle was too large for the route.
-    *Timeout*: still under way at the time limit.
+    *Timeout*: still under way at the time limit. With ``ends_at="radius"`` a walk ends as soon as it is within
+    ``arrival_radius_m`` of the end (at the latest as above); such walks are not walked in lanes, but one by one, which is
+    slower.
 
     Attributes
     ----------
@@ -73,6 +77,7 @@ class PathFollowing:
     fixed : values of parameters that are not in ``parameters``; v and a must be in one of the two
     braking : False: keep going at full speed up to the end
     turn_law : "proportional" (omega * speed) or "constant" (omega)
+    ends_at : "line" through the end, or within the "radius" of arrival
     finder : finds the routes
     """
 
@@ -83,6 +88,7 @@ class PathFollowing:
     fixed: Mapping[str, float] = field(default_factory=dict)
     braking: bool = True
     turn_law: str = "proportional"
+    ends_at: str = LINE
     finder: RouteFinder = field(default_factory=RouteFinder)
     moving_start: bool = True
 
@@ -93,6 +99,8 @@ class PathFollowing:
                 raise InputError(f"planner path_following: {name} is {getattr(self, name)}; it must be above 0")
         if self.turn_law not in TURN_LAWS:
             raise InputError(f"planner path_following: unknown turn_law {self.turn_law!r}; known are {sorted(TURN_LAWS)}")
+        if self.ends_at not in (LINE, RADIUS):
+            raise InputError(f"planner path_following: unknown ends_at {self.ends_at!r}; known are {LINE}, {RADIUS}")
 
     def route(self, scene: Scene, task: Task, body: Body) -> Array:
         """See :meth:`RouteFinder.route`."""
@@ -147,7 +155,7 @@ class PathFollowing:
         positions, status = follow_route(route, heading, *speeds, values, self.rule, steps)
         return Trajectory(positions, self.step_s, arrival_of(positions, route, status == AT_END, self.arrival_radius_m))
 
-    def sweep_euclid(self, batch: WalkBatch, cells: Array) -> Array:
+    def sweep_euclid(self, batch: WalkBatch, cells: Array, beyond_s: float = 0.0) -> Array:
         """m_Euclid of every walk and cell: ``sum_t |T_t - A_t| * step_s / length`` (Agethen et al. 2017, eq. 5), seconds.
 
         The sum runs over the captured frames; an agent that has ended stands where it ended. Initial headings are along
@@ -161,6 +169,8 @@ class PathFollowing:
         ----------
         batch : captured walks and routes, at this planner's step
         cells : (cells, parameters) array
+        beyond_s : above 0: each sum goes on until both walks have ended, the simulated one after so long at the latest (never in
+            lanes)
 
         Returns
         -------
@@ -181,7 +191,7 @@ class PathFollowing:
         frame_offsets = batch.captured_offsets.astype(np.int64)
         speeds = _floats(batch.start_speeds_m_s), _floats(batch.end_speeds_m_s)
         packed = routes, offsets, _floats(batch.captured_m), frame_offsets, speeds, _floats(batch.lengths_m)
-        in_lanes = self.in_lanes(values, speeds, routes[offsets[1:] - 1, 2])
+        in_lanes = self.in_lanes(values, speeds, routes[offsets[1:] - 1, 2]) & (beyond_s <= 0)
         steps = np.diff(frame_offsets) * len(values)
         if in_lanes.any():
             singles, groups = np.minimum(values, TURNS_AT_ONCE).astype(np.float32), group_cells(values)
@@ -189,25 +199,27 @@ class PathFollowing:
             work = steps * np.where(np.diff(offsets) > 2, 0.1, 0.01)
             share_out(lambda own: sweep_lanes(*packed, own, singles, groups, self.rule, scores), np.flatnonzero(in_lanes), work)
         if not in_lanes.all():
-            share_out(lambda own: sweep(*packed, own, values, self.rule, scores), np.flatnonzero(~in_lanes), steps)
+            beyond = max(math.ceil(beyond_s / self.step_s - 1e-9), 0)
+            share_out(lambda own: sweep(*packed, own, values, self.rule, scores, beyond), np.flatnonzero(~in_lanes), steps)
         return scores
 
     def in_lanes(self, values: Array, speeds_m_s: tuple[Array, Array], route_lengths_m: Array) -> NDArray[np.bool_]:
         """Which walks the single-precision lanes can walk: (walks,) array.
 
         Not if a step may reach beyond the look-ahead point, or if a route is so long or a braking so hard that single precision
-        is too coarse for it; and none for a few cells, for which double precision is no slower.
+        is too coarse for it; none for a few cells, for which double precision is no slower; and none that ends within a radius.
         """
         v, a, b = values[:, 0].max(), values[:, 1].max(), values[:, 3].max()
-        if len(values) < LANE_CELLS or max(a, b) > LANE_ACCELERATION_M_S2:
+        if len(values) < LANE_CELLS or max(a, b) > LANE_ACCELERATION_M_S2 or self.ends_at == RADIUS:
             return np.zeros(len(route_lengths_m), dtype=bool)
         fastest = np.maximum(v, np.maximum(*speeds_m_s))
         return (fastest * self.step_s < self.look_ahead_m) & (route_lengths_m <= LANE_ROUTE_M)
 
     @property
     def rule(self) -> Rule:
-        """What compiled code needs beside the parameters: look-ahead, braking, turn law, step."""
-        return float(self.look_ahead_m), bool(self.braking), TURN_LAWS[self.turn_law], float(self.step_s)
+        """What compiled code needs beside the parameters: look-ahead, braking, turn law, step, radius that ends a walk."""
+        radius_m = float(self.arrival_radius_m) if self.ends_at == RADIUS else 0.0
+        return float(self.look_ahead_m), bool(self.braking), TURN_LAWS[self.turn_law], float(self.step_s), radius_m
 
 
 def _floats(values: Array) -> Array:

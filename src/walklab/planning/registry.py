@@ -33,7 +33,7 @@ def make_planner(name: str, parameters: Sequence[str], step_s: float, options: M
     parameters : names of the steering parameters in the order of the vectors it will be given
     step_s : simulation step
     options : what else the planner takes, e.g. ``cell_m``, ``snap_m``, ``look_ahead_m``, ``arrival_radius_m``, ``fixed``,
-        ``braking``, ``turn_law``
+        ``braking``, ``turn_law``, ``ends_at``
 
     Raises
     ------

@@ -83,7 +83,7 @@ def straight_start(
     Fills ``progress_at`` for the frames passed. Returns frame, progress, speed, first and last moving frame, metres of the last
     step, and whether the route ended.
     """
-    look_ahead, braking, _, step_s = rule
+    look_ahead, braking, _, step_s, _ = rule
     progress, speed, before, first, last = 0.0, speeds[0], 0.0, -1.0, -1.0
     n, k = 0, 0
     while n < steps and progress + look_ahead <= corner:

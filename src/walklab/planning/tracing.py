@@ -17,6 +17,7 @@ from walklab.planning.path_following import TURNS_AT_ONCE, PathFollowing, share_
 from walklab.planning.protocol import Arrival, Planner
 from walklab.planning.routes import prepare_routes
 from walklab.planning.trace_kernel import COLUMNS, trace_lanes
+from walklab.planning.trace_singles import trace_singles
 
 Array = NDArray[np.float64]
 Singles = NDArray[np.float32]
@@ -58,8 +59,8 @@ def trace_cells(
 ) -> Traces:
     """Simulate every walk with every parameter vector to its end.
 
-    Path following is traced in compiled lanes (single precision), any other planner and what does not fit the lanes by
-    :meth:`~walklab.planning.protocol.Planner.follow`, one by one.
+    Path following is traced in compiled lanes (single precision), what does not fit these in compiled code one by one, and any
+    other planner by :meth:`~walklab.planning.protocol.Planner.follow`.
 
     Parameters
     ----------
@@ -86,7 +87,7 @@ def trace_cells(
     )
     left = list(range(len(routes)))
     if isinstance(planner, PathFollowing) and len(routes):
-        left = _trace_lanes(planner, routes, tasks, points, frames, standing_speed_m_s, time_limit_s, traces)
+        left = _trace_compiled(planner, routes, tasks, points, frames, standing_speed_m_s, time_limit_s, traces)
     for walk in left:
         for cell, values in enumerate(points):
             trajectory = planner.follow(routes[walk], tasks[walk], values, time_limit_s)
@@ -97,7 +98,7 @@ def trace_cells(
     return traces
 
 
-def _trace_lanes(
+def _trace_compiled(
     planner: PathFollowing,
     routes: Sequence[Array],
     tasks: Sequence[Task],
@@ -116,8 +117,8 @@ def _trace_lanes(
     packed, offsets = prepare_routes(
         np.ascontiguousarray(np.concatenate(routes), dtype=float), np.cumsum([0, *map(len, routes)]).astype(np.int64)
     )
-    fits = planner.in_lanes(values, speeds, packed[offsets[1:] - 1, 2]) & (np.diff(offsets) > 1)
-    fits &= np.array([task.start.heading_rad is None for task in tasks])
+    plain = (np.diff(offsets) > 1) & np.array([task.start.heading_rad is None for task in tasks])
+    fits = plain & planner.in_lanes(values, speeds, packed[offsets[1:] - 1, 2])
     steps = max(math.ceil(time_limit_s / planner.step_s - 1e-9), 0)
     found = np.zeros((len(routes), len(values), COLUMNS), np.float32)
     fixed = (values, np.minimum(values, TURNS_AT_ONCE).astype(np.float32), group_cells(values), planner.rule)
@@ -135,4 +136,15 @@ def _trace_lanes(
     travel_s = np.where(first < 0, 0.0, (end - begin) * planner.step_s)
     traces.travel_s[fits] = np.where(at_end > 0, travel_s, time_limit_s)
     traces.arrived[fits] = (at_end > 0) & (missed_m <= planner.arrival_radius_m)
-    return [int(walk) for walk in np.flatnonzero(~fits)]
+    singly = plain & ~fits
+    share_out(
+        lambda own: trace_singles(
+            packed, offsets, speeds, own, values, planner.rule, least_m, frames, steps, found, traces.places_m
+        ),
+        np.flatnonzero(singly),
+        np.full(len(routes), STEPS_A_CELL * len(values)),
+    )
+    taken, at_end, missed_m = (found[singly][:, :, column] for column in range(3))
+    traces.travel_s[singly] = np.where(at_end > 0, taken * planner.step_s, time_limit_s)
+    traces.arrived[singly] = (at_end > 0) & (missed_m <= planner.arrival_radius_m)
+    return [int(walk) for walk in np.flatnonzero(~plain)]

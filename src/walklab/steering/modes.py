@@ -8,7 +8,8 @@ from numpy.typing import NDArray
 
 from walklab.steering import kernels
 from walklab.steering.bounds import lattice, points_of
-from walklab.steering.interpolation import GridInterpolant
+from walklab.steering.interpolation import GridInterpolant, Interpolant
+from walklab.steering.multilinear import MultilinearInterpolant
 
 Array = NDArray[np.float64]
 Shape = NDArray[np.int64]
@@ -18,6 +19,13 @@ STARTS = 10  # peaks of the lattice that are followed up
 BATCH = 128  # maps per matrix product, always filled up, so that a map's result cannot depend on its company
 LATTICE_BLOCK = 8192  # lattice points per matrix product, which bounds the memory
 TIE = 1e-9  # suitability differences below this are rounding
+
+
+def highest_points(interpolant: Interpolant, coefficients: Array, lower: Array, upper: Array) -> tuple[Array, Array]:
+    """:func:`modes` of whichever basis."""
+    if isinstance(interpolant, MultilinearInterpolant):
+        return interpolant.modes(coefficients, lower, upper)
+    return modes(interpolant, coefficients, lower, upper)
 
 
 def modes(interpolant: GridInterpolant, coefficients: Array, lower: Array, upper: Array) -> tuple[Array, Array]:

@@ -20,7 +20,7 @@ from walklab.steering.bounds import block_bounds, rungs_above
 from walklab.steering.domain import DomainOfValidity, OutsideTrainingRange, outside_message
 from walklab.steering.interpolation import Interpolant
 from walklab.steering.marginals import Marginal, marginal
-from walklab.steering.modes import modes
+from walklab.steering.modes import highest_points
 from walklab.steering.multilinear import MultilinearInterpolant
 from walklab.steering.proposals import Blocks, blocks_of
 from walklab.steering.space import ParameterSpace
@@ -307,10 +307,7 @@ class ProbabilisticModel:
         """Highest point of the interpolated maps, (W, P); see :meth:`ParameterSpace.on_edge` for edge optima."""
         low, high = self.space.to_unit(self.box.T)
         surfaces = self.blended_coefficients(vectors)
-        if isinstance(self.interpolant, MultilinearInterpolant):
-            found = self.space.from_unit(self.interpolant.modes(surfaces, low, high)[0])
-        else:
-            found = self.space.from_unit(modes(self.interpolant, surfaces, low, high)[0])
+        found = self.space.from_unit(highest_points(self.interpolant, surfaces, low, high)[0])
         for name, value in self.fixed.items():
             found[:, self.names.index(name)] = value
         return found

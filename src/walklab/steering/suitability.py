@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from walklab.errors import InputError
 from walklab.geometry.scene import State, Task
+from walklab.planning.path_following import PathFollowing
 from walklab.planning.protocol import Planner, SweepingPlanner, WalkBatch
 from walklab.steering.metrics import Metric, metric_named
 
@@ -44,9 +45,8 @@ def score_walks(
     if not math.isclose(batch.step_s, planner.step_s, rel_tol=1e-9):
         raise InputError(f"walks every {batch.step_s} s, planner every {planner.step_s} s: resample the walks")
     points = np.ascontiguousarray(np.atleast_2d(cells), dtype=float)
-    if chosen.name == "euclid" and isinstance(planner, SweepingPlanner):
-        scores = np.asarray(planner.sweep_euclid(batch, points))
-    else:
+    scores = _swept(planner, batch, points, chosen.name, time_limit_s)
+    if scores is None:
         scores = np.stack([_score_walk(planner, batch, index, points, chosen, time_limit_s) for index in range(len(batch))])
     if not np.all(np.isfinite(scores)):
         walk, cell = np.argwhere(~np.isfinite(scores))[0]
@@ -55,6 +55,19 @@ def score_walks(
             "check that the walk has a length and the planner gives finite positions"
         )
     return scores
+
+
+def _swept(planner: Planner, batch: WalkBatch, cells: Array, metric: str, time_limit_s: float) -> Array | None:
+    """Scores from compiled code; None for a planner or metric that has none."""
+    if metric in ("euclid", "mean_distance") and isinstance(planner, SweepingPlanner):
+        scores = np.asarray(planner.sweep_euclid(batch, cells))
+        if metric == "euclid":
+            return scores
+        # The same sum over the frames, divided by their number instead of by length / step.
+        return scores * (batch.lengths_m / (np.diff(batch.captured_offsets) * batch.step_s))[:, None]
+    if metric == "euclid_until_both_end" and isinstance(planner, PathFollowing):
+        return planner.sweep_euclid(batch, cells, beyond_s=time_limit_s)
+    return None
 
 
 def captured_walk(batch: WalkBatch, index: int) -> Array:
@@ -76,9 +89,15 @@ def _score_walk(planner: Planner, batch: WalkBatch, index: int, cells: Array, me
     # One step more than the captured walk lasts, so that rounding cannot cost the last frame.
     limit = len(captured) * planner.step_s if metric.horizon == "captured" else time_limit_s
     walks = [planner.follow(route, task, cell, limit).positions_m for cell in cells]
-    frames = len(captured) if metric.horizon == "captured" else max(len(captured), *(len(walk) for walk in walks))
-    simulated = np.stack([standing_at_end(walk, frames) for walk in walks])
-    return metric(standing_at_end(captured, frames), simulated, planner.step_s, float(batch.lengths_m[index]))
+    scores = np.empty(len(walks))
+    # Simulated walks of one length at a time: until both have ended is another time for each length.
+    longest = np.array([len(captured) if metric.horizon == "captured" else max(len(captured), len(walk)) for walk in walks])
+    for frames in np.unique(longest):
+        cells_in = np.flatnonzero(longest == frames)
+        simulated = np.stack([standing_at_end(walks[cell], frames) for cell in cells_in])
+        own = standing_at_end(captured, frames)
+        scores[cells_in] = metric(own, simulated, planner.step_s, float(batch.lengths_m[index]))
+    return scores
 
 
 def standing_at_end(points_m: Array, frames: int) -> Array:

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from walklab.steering.blending_space import BlendingSpace, homogenise
 from walklab.steering.interpolation import Basis, Kernel, interpolant_named
 from walklab.steering.models import ProbabilisticModel, probabilistic_model
-from walklab.steering.scaling import fit_scaling
+from walklab.steering.scaling import ScalingRule, fit_scaling
 from walklab.steering.space import ParameterSpace
 from walklab.steering.suitability import Normalisation, normalise
 from walklab.steering.weighting import Weighting
@@ -28,6 +28,7 @@ class TrainingSettings:
     Attributes
     ----------
     normalisation : scores to suitability
+    scaling : what each dependency is divided by before distances are measured
     count : entries of the blending space after up-sampling; None adds none
     neighbours, subset, delta : of the up-sampling
     basis : how maps are interpolated between grid nodes: ``rbf`` (the paper) or ``multilinear``
@@ -36,6 +37,7 @@ class TrainingSettings:
     """
 
     normalisation: Normalisation = "per_map_max"
+    scaling: ScalingRule = "standard_deviation"
     count: int | None = 5000
     neighbours: int = 50
     subset: int = 4
@@ -69,7 +71,7 @@ def train_blending_space(
         settings.delta,
         rng,
         names=tuple(vectors.columns),
-        scaling=fit_scaling(values, participants),
+        scaling=fit_scaling(values, participants, settings.scaling),
     )
 
 

@@ -281,3 +281,29 @@ def test_a_route_without_extent_has_arrived() -> None:
 def test_bad_input_is_named(build, message: str) -> None:
     with pytest.raises(InputError, match=message):
         build()
+
+
+@pytest.mark.parametrize("route", ROUTES)
+def test_a_walk_that_ends_within_a_radius_is_the_same_walk_cut_there(route: np.ndarray) -> None:
+    """Up to its end it goes as before, and it ends with its first step into the radius."""
+    values, radius_m = np.array([1.1, 0.9, 1.8]), 0.25
+    whole = PathFollowing().follow(route, task_for(route), values, 60.0).positions_m
+    cut = PathFollowing(ends_at="radius", arrival_radius_m=radius_m).follow(route, task_for(route), values, 60.0)
+    away = np.hypot(*(cut.positions_m - route[-1]).T)
+    assert np.array_equal(cut.positions_m, whole[: len(cut.positions_m)])
+    assert cut.arrival == Arrival.ARRIVED
+    assert away[-1] <= radius_m < away[-2]
+    assert len(cut.positions_m) < len(whole)
+
+
+def test_passing_by_the_end_on_the_way_there_is_no_arrival() -> None:
+    """A route that runs past its own end: 0.1 m from it after half a metre, with 3 m still to go."""
+    route = np.array([[0.0, 0.0], [2.0, 0.0], [2.0, 0.1], [0.5, 0.1]])
+    walk = PathFollowing(ends_at="radius", arrival_radius_m=0.15).follow(route, task_for(route), np.array([1.0, 1.0, 20.0]), 60.0)
+    assert walk.duration_s > 2.5
+    assert walk.arrival == Arrival.ARRIVED
+
+
+def test_unknown_end_of_a_walk_is_refused() -> None:
+    with pytest.raises(InputError, match="unknown ends_at 'wall'; known are line, radius"):
+        PathFollowing(ends_at="wall")

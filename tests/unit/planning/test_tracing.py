@@ -60,3 +60,19 @@ def test_few_cells_go_one_by_one_and_give_the_same() -> None:
 def test_unequal_lists_are_refused() -> None:
     with pytest.raises(InputError, match="2 rows of times"):
         trace_cells(PathFollowing(), ROUTES, tasks(0.0), CELLS, np.ones((2, 1)), STANDING_M_S, LIMIT_S)
+
+
+@pytest.mark.parametrize("start_speed_m_s", [0.0, 0.9])
+def test_walks_that_end_within_a_radius_are_those_of_follow(start_speed_m_s: float) -> None:
+    planner = PathFollowing(ends_at="radius", arrival_radius_m=0.2)
+    times_s = np.tile([0.0, 1.5, 30.0], (3, 1))
+    traces = trace_cells(planner, ROUTES, tasks(start_speed_m_s), CELLS, times_s, STANDING_M_S, LIMIT_S)
+    for walk, (route, task) in enumerate(zip(ROUTES, tasks(start_speed_m_s), strict=True)):
+        for cell, values in enumerate(CELLS):
+            trajectory = planner.follow(route, task, values, LIMIT_S)
+            timeout = trajectory.arrival == Arrival.TIMEOUT
+            expected_s = LIMIT_S if timeout else trajectory_travel_time_s(trajectory, task, STANDING_M_S)
+            assert traces.travel_s[walk, cell] == pytest.approx(expected_s, abs=1e-4)
+            assert traces.arrived[walk, cell] == (trajectory.arrival == Arrival.ARRIVED)
+            frames = np.minimum(np.rint(times_s[walk] / planner.step_s).astype(int), len(trajectory.positions_m) - 1)
+            np.testing.assert_allclose(traces.places_m[walk, cell], trajectory.positions_m[frames], atol=1e-6)

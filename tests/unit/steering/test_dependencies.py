@@ -120,3 +120,11 @@ def test_a_single_vector_and_no_dependency_at_all():
     assert fit_domain(one, fit_scaling(one)).inside([[1.0, 2.0], [1.0, 2.1]]).tolist() == [True, False]
     none = np.zeros((4, 0))
     assert fit_domain(none, fit_scaling(none)).inside(np.zeros((2, 0))).tolist() == [True, True]
+
+
+def test_scaling_by_the_range_and_by_nothing():
+    vectors = np.array([[1.0, 0.2, 1.7], [3.0, 0.8, 1.7], [2.0, 0.2, 1.7]])
+    assert fit_scaling(vectors, how="range").scale == pytest.approx([2.0, 0.6, 1.0])
+    assert fit_scaling(vectors, how="none").scale == pytest.approx([1.0, 1.0, 1.0])
+    with pytest.raises(InputError, match="'log'; choose standard_deviation, range or none"):
+        fit_scaling(vectors, how="log")

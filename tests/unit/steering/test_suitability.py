@@ -47,6 +47,30 @@ def test_looking_beyond_the_captured_walk_scores_a_late_arrival_higher(world):
     assert np.all(both[40:] > 1.1 * short[40:])
 
 
+# Compiled scores of these metrics against the generic ones: many cells in lanes, a radius that ends walks one by one.
+@pytest.mark.parametrize("ends_at", ["line", "radius"])
+@pytest.mark.parametrize("metric", ["euclid", "euclid_until_both_end", "mean_distance"])
+def test_every_compiled_metric_is_the_generic_one(packer, metric, ends_at):
+    planner = PathFollowing(("v", "a", "omega"), 1 / 60, ends_at=ends_at)
+    rng = np.random.default_rng(2)
+    routes = [np.array([[0, 0], [1.5, 0], [1.5, 1.2]]), np.array([[0, 0], [0.7, 0.1]]), np.array([[0.0, 0], [2, 2], [1, 3]])]
+    batch = packer(planner, [np.array(r, dtype=float) for r in routes], rng.uniform(0.5, 1.5, (3, 3)))
+    noisy = dataclasses.replace(batch, captured_m=batch.captured_m + rng.normal(0, 0.02, batch.captured_m.shape))
+    cells = rng.uniform(0.1, 2.0, (40, 3))
+    generic = dataclasses.replace(METRICS[metric], name="not compiled")
+    compiled = score_walks(planner, noisy, cells, metric, 20.0)
+    np.testing.assert_allclose(compiled, score_walks(planner, noisy, cells, generic, 20.0), atol=2e-4)
+
+
+def test_until_both_have_ended_is_another_time_for_each_parameter_vector(packer, point_mass):
+    """Beside a slow walker, a quick one is not scored for standing a little off its mark all that time."""
+    batch = packer(point_mass, [np.array([[0.0, 0.0], [2.0, 0.0]])], [(1.0, 1.0)])
+    off = dataclasses.replace(batch, captured_m=batch.captured_m + np.array([0.0, 0.05]))
+    quick, slow = np.array([[1.0, 1.0]]), np.array([[0.1, 1.0]])
+    alone = score_walks(point_mass, off, quick, "euclid_until_both_end")
+    assert score_walks(point_mass, off, np.vstack([quick, slow]), "euclid_until_both_end")[0, 0] == pytest.approx(alone[0, 0])
+
+
 def test_a_score_that_is_not_finite_names_walk_and_parameters(world):
     broken = dataclasses.replace(world.batch, lengths_m=np.where(np.arange(80) == 7, np.nan, world.batch.lengths_m))
     with pytest.raises(InputError, match=r"walk 7 .*\[1.0, 1.0\]"):
