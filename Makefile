@@ -4,10 +4,12 @@
 # make real     leave-one-subject-out on real walks (needs WALKLAB_DATA)
 # make replicates   the study on 20 synthetic populations, without figures and ablations
 # make recovery     does the method recover a known distribution? walks made by the planner itself
-# make test     all tests          make lint   all checks of style and structure
+# make test     all tests but the slow ones      make test-all   these too      make lint   all checks of style and structure
 # make bench    every benchmark beside its baseline: results/bench/summary.json
 # make track    log a finished run to MLflow (RUN=results/steering, URI=...)
 # make crate    pack it as a Workflow Run RO-Crate
+# make large    capture, maps and blending space of 50 000 walks
+# make sizing   what 10^3 to 10^7 walks cost, from the runs of make and make large
 # make manual   config/README.md   make lock   requirements.lock
 # make clean    remove results and the environment
 
@@ -16,7 +18,7 @@ BIN := .venv/bin
 SNAKEMAKE := $(BIN)/snakemake
 export WALKLAB_DATA ?= ../shared/data
 
-.PHONY: all small resampled real own replicates recovery test bench track crate lint manual lock clean
+.PHONY: all small resampled real own replicates recovery test test-all bench track crate large sizing lint manual lock clean
 .DEFAULT_GOAL := all
 
 all: .venv/ready
@@ -50,10 +52,20 @@ recovery: .venv/ready
 
 # One call, the longest files first: while a test of the DAG waits for a job, another worker uses the other core.
 test: .venv/ready .venv/tracking .venv/validator/ready
+	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples -n 2 --dist loadfile --no-loadscope-reorder -m "not slow"
+
+test-all: .venv/ready .venv/tracking .venv/validator/ready
 	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples -n 2 --dist loadfile --no-loadscope-reorder
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/run.py
+
+# Capture, maps and blending space of more than 50 000 walks.
+large: .venv/ready
+	$(SNAKEMAKE) --configfile config/large.yaml --until build_space
+
+sizing: .venv/ready
+	$(BIN)/python workflow/sizing.py results/steering results/large
 
 RUN ?= results/steering
 

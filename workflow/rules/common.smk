@@ -56,6 +56,15 @@ def check_files(config):
         raise WorkflowError(f"{error}") from None
 
 
+def check_writable():
+    """Stop before the first job if nothing can be written."""
+    folder = next(path for path in (Path(RUN), *Path(RUN).parents) if path.exists())
+    if not os.access(folder, os.W_OK):
+        raise WorkflowError(
+            f"{folder} is read-only; make it writable, or work in another folder (snakemake --directory)"
+        )
+
+
 CONFIG = completed(config)
 CONFIG["scenarios"] = {
     name: shipped(path) for name, path in CONFIG["scenarios"].items()

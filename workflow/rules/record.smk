@@ -67,9 +67,10 @@ if SYNTHETIC and not REPLICATED:
             first(stage("publish_scores", "log.txt")),
         benchmark:
             first(stage("publish_scores", "benchmark.tsv"))
-        shell:
-            "{{ cp {input.claims} {output.claims} && cp {input.scores} {output.scores}"
-            " && cp {input.calibration} {output.calibration}; }} 2> {log}"
+        params:
+            code=code("publish_scores.py"),
+        script:
+            "../scripts/publish_scores.py"
 
 elif not SYNTHETIC:
 
@@ -88,8 +89,10 @@ elif not SYNTHETIC:
             first(stage("publish_scores", "log.txt")),
         benchmark:
             first(stage("publish_scores", "benchmark.tsv"))
-        shell:
-            "{{ cp {input.scores} {output.scores} && cp {input.summary} {output.summary}; }} 2> {log}"
+        params:
+            code=code("publish_scores.py"),
+        script:
+            "../scripts/publish_scores.py"
 
 
 rule describe_model:
@@ -129,6 +132,7 @@ rule record_run:
 
 
 onstart:
+    check_writable()
     # The estimate is that of the whole study.
     if not workflow.dag_settings.targets:
         print(announce())

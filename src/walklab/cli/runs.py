@@ -1,4 +1,4 @@
-"""``walklab compare``, ``track`` and ``crate``: what is done with finished runs."""
+"""``walklab compare``, ``track``, ``crate`` and ``check``: what is done with runs."""
 
 from __future__ import annotations
 
@@ -14,10 +14,12 @@ if TYPE_CHECKING:
 
 Run = Annotated[Path, typer.Argument(metavar="RUN", help="Folder of a finished run, such as results/steering.")]
 
+DAMAGED = 1  # exit code
+
 
 def register(app: typer.Typer) -> None:
     """Add the commands to the command line."""
-    for command in (compare, track, crate):
+    for command in (compare, track, crate, check):
         app.command()(command)
 
 
@@ -78,6 +80,25 @@ def crate(
 
     target = output or run.parent / f"{run.name}.crate.zip"
     typer.echo(f"{target}: {write_crate(run, root, target)} files of {run} with the workflow and its description")
+
+
+@plain_errors
+def check(run: Run) -> None:
+    """Look for damaged and half-written files in a run, and for dates in the future; say what to type."""
+    from walklab.runs.checksums import date_back, inspect
+
+    found = inspect(run)
+    for damage in found.damaged:
+        typer.echo(f"{damage.path}: {damage.reason}")
+    for path in found.half_written:
+        typer.echo(f"{path}: left by a job that was killed; the next one that writes this file removes it")
+    for path in date_back(run):
+        typer.echo(f"{path}: was dated in the future, now dated today")
+    if found.damaged:
+        files = " ".join(damage.path for damage in found.damaged)
+        typer.echo(f"To rebuild (with the --configfile of this run): snakemake --forcerun {files}")
+        raise typer.Exit(DAMAGED)
+    typer.echo(f"{found.checked} products are what their jobs wrote")
 
 
 def _show(title: str, table: pd.DataFrame, rows: int | None, changed: bool = True) -> None:

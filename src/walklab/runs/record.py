@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import datetime
-import hashlib
 import os
 import platform
 import subprocess
@@ -14,6 +13,7 @@ from typing import Any
 
 import pandas as pd
 
+from walklab.runs.checksums import sha256
 from walklab.storage import read_table
 
 CLAIM_COLUMNS = ("id", "published", "ours", "ours_low", "ours_high", "verdict")
@@ -136,9 +136,3 @@ def commit(root: str | Path) -> dict[str, Any]:
         return {"id": identity, "dirty": bool(git("status", "--porcelain"))} if identity else {}
     except OSError:
         return {}
-
-
-def sha256(path: str | Path) -> str:
-    """SHA-256 of a file, in hexadecimal."""
-    with open(path, "rb") as file:
-        return hashlib.file_digest(file, "sha256").hexdigest()

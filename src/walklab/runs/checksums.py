@@ -1,0 +1,125 @@
+"""Checksums of a run's products: written when a job ends, verified before another one reads them.
+
+Each job leaves a ``checksums.txt`` beside its log: a line per product, its SHA-256 and its path from that folder,
+so that ``sha256sum --check checksums.txt`` reads it too.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+import time
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+
+from walklab.errors import InputError
+from walklab.storage import write_text
+
+MANIFEST = "checksums.txt"
+# Clocks of file servers differ a little; what is dated further ahead was written before the clock went back.
+CLOCK_TOLERANCE_S = 60.0
+
+
+@dataclass(frozen=True)
+class Damage:
+    """A product that is not what its job wrote."""
+
+    path: str
+    reason: str
+
+
+@dataclass(frozen=True)
+class Inspection:
+    """What :func:`inspect` found in a run's folder."""
+
+    checked: int
+    damaged: tuple[Damage, ...]
+    half_written: tuple[str, ...]
+
+
+def record(products: Iterable[str | Path], folder: str | Path) -> None:
+    """Write the checksums of a job's products to ``folder``."""
+    lines = [f"{sha256(path)}  {os.path.relpath(path, folder)}\n" for path in products]
+    write_text("".join(lines), Path(folder) / MANIFEST)
+
+
+def verify(inputs: Iterable[str | Path]) -> None:
+    """Look whether files are what their jobs wrote; a file that no job of a run wrote passes.
+
+    Raises
+    ------
+    InputError
+        With the first damaged file, and what rebuilds it.
+    """
+    for path in map(Path, inputs):
+        expected = _recorded(path)
+        if expected is not None and (reason := _reason(path, expected)):
+            raise InputError(
+                f"{path}: damaged ({reason}); rebuild it: snakemake --forcerun {path} (and the --configfile of this run)"
+            )
+
+
+def inspect(run: str | Path) -> Inspection:
+    """Compare every product of a run's folder with its checksum, and look for what killed writers left behind.
+
+    Raises
+    ------
+    InputError
+        If there is no such folder, or no job has left checksums in it.
+    """
+    manifests = sorted(Path(run).rglob(MANIFEST))
+    if not manifests:
+        raise InputError(f"{run}: no {MANIFEST} in it; give the folder of a run, as results/steering")
+    entries = [
+        (os.path.normpath(manifest.parent / name), expected) for manifest in manifests for name, expected in _lines(manifest)
+    ]
+    damaged = [Damage(path, reason) for path, expected in entries if (reason := _reason(Path(path), expected))]
+    half_written = [str(path) for path in sorted(Path(run).rglob(".*")) if path.is_file()]
+    return Inspection(len(entries), tuple(damaged), tuple(half_written))
+
+
+def date_back(run: str | Path, now_s: float | None = None) -> list[str]:
+    """Date files from the future to now, all alike, and return their names.
+
+    They were written before the clock was put back; Snakemake compares dates and would take what is made of them for outdated.
+    """
+    now = time.time() if now_s is None else now_s
+    future = [path for path in sorted(Path(run).rglob("*")) if path.is_file() and path.stat().st_mtime > now + CLOCK_TOLERANCE_S]
+    for path in future:
+        os.utime(path, (now, now))
+    return [str(path) for path in future]
+
+
+def sha256(path: str | Path) -> str:
+    """SHA-256 of a file's content, hexadecimal."""
+    with open(path, "rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
+
+
+def _reason(path: Path, expected: str) -> str:
+    if not path.is_file():
+        return "missing"
+    if path.stat().st_size == 0:
+        # Only a job's empty product may be empty.
+        return "" if expected == hashlib.sha256().hexdigest() else "empty"
+    return "" if sha256(path) == expected else "its content is not what was written"
+
+
+def _recorded(path: Path) -> str | None:
+    """The checksum of a product, from the manifest of the job that wrote it."""
+    # A job's log lies beside its products or one folder above; tables and figures are shown at the top of a run instead.
+    folders = (path.parent, path.parent.parent)
+    for manifest in [*(folder / MANIFEST for folder in folders), *(m for f in folders for m in f.glob(f"0/*/{MANIFEST}"))]:
+        if manifest.is_file():
+            name = os.path.relpath(path, manifest.parent)
+            for listed, expected in _lines(manifest):
+                if listed == name:
+                    return expected
+    return None
+
+
+def _lines(manifest: Path) -> Iterator[tuple[str, str]]:
+    for line in manifest.read_text(errors="replace").splitlines():
+        expected, _, name = line.partition("  ")
+        yield name, expected

@@ -1,0 +1,141 @@
+"""What the tests of faults share: the part of the study they run, what it must leave, and the count of what was survived."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from walklab.runs import checksums
+
+ROOT = Path(__file__).parents[3]
+CONFIGURATION = ("--configfile", "tests/workflow/tiny.yaml")
+# The chain from the first stage to the model: every kind of file, and jobs of all lengths.
+STAGES = (
+    "draw_participants",
+    "record_training",
+    "extract_training",
+    "plan_training",
+    "score_maps",
+    "build_space",
+    "train_model",
+)
+PATIENCE_S = 600
+
+
+@dataclass
+class Tally:
+    """How often each fault was tried and survived."""
+
+    counts: dict[str, dict[str, int]] = field(default_factory=dict)
+
+    @contextmanager
+    def attempt(self, fault: str, times: int = 1) -> Iterator[None]:
+        """Count a fault; it is survived if the block ends without an exception."""
+        counts = self.counts.setdefault(fault, {"tried": 0, "survived": 0})
+        counts["tried"] += times
+        yield
+        counts["survived"] += times
+
+
+@pytest.fixture(scope="session")
+def tally() -> Iterator[Tally]:
+    """Written to results/bench/faults.json at the end; faults that were not tried this time keep their count."""
+    tally = Tally()
+    yield tally
+    path = ROOT / "results/bench/faults.json"
+    known = json.loads(path.read_text()) if path.exists() else {}
+    path.parent.mkdir(parents=True, exist_ok=True)
+    path.write_text(json.dumps(dict(sorted((known | tally.counts).items())), indent=2) + "\n")
+
+
+@dataclass(frozen=True)
+class Study:
+    """The study of a project as far as the model, and what it leaves if nothing disturbs it."""
+
+    project: Any
+    undisturbed: dict[str, str]
+
+    arguments = ("--cores", "2", *CONFIGURATION, "--until", STAGES[-1])
+
+    @property
+    def results(self) -> Path:
+        return self.project.folder / "results/tiny"
+
+    def start(self) -> subprocess.Popen[str]:
+        return self.project.start(*self.arguments)
+
+    def run(self, *more: str, fails: bool = False) -> str:
+        return self.project.run(*self.arguments, *more, fails=fails)
+
+    def unlock(self) -> None:
+        self.project.run("--unlock", *CONFIGURATION)
+
+    def finished_jobs(self) -> int:
+        return len(list(self.results.rglob(checksums.MANIFEST)))
+
+    def wait_for_jobs(self, process: subprocess.Popen[str], count: int) -> bool:
+        """Wait until that many jobs have ended; False if the run ended before."""
+        return wait(lambda: self.finished_jobs() >= count or process.poll() is not None) and process.poll() is None
+
+    def remove(self, *stages: str) -> None:
+        """Take the products of stages away, so that they are made again."""
+        for stage in stages:
+            for path in (self.results / "0" / stage).rglob("*"):
+                if path.is_file():
+                    path.unlink()
+
+    def products(self) -> dict[str, str]:
+        return chain(self.project.checksums())
+
+    def assert_whole(self) -> None:
+        """Whatever stands under a product's name is what an undisturbed run writes there."""
+        wrong = {name for name, found in self.products().items() if self.undisturbed[name] != found}
+        assert not wrong, f"half-written: {wrong}"
+
+    def assert_undisturbed(self) -> None:
+        """All products are there, as an undisturbed run leaves them, and nothing else."""
+        assert self.products() == self.undisturbed
+        found = checksums.inspect(self.results)
+        assert not found.damaged
+        assert not found.half_written
+
+
+def chain(files: dict[str, str]) -> dict[str, str]:
+    """The files of the stages that are run."""
+    return {name: found for name, found in files.items() if Path(name).parts[1] in STAGES}
+
+
+@pytest.fixture
+def study(project: Any, finished: Any) -> Study:
+    """Nothing has been computed yet."""
+    return Study(project, chain(finished.checksums()))
+
+
+@pytest.fixture
+def done(finished_copy: Any, finished: Any) -> Study:
+    """Everything has been computed; a test takes away what it wants to see made again."""
+    return Study(finished_copy, chain(finished.checksums()))
+
+
+def wait(condition: Callable[[], bool], patience_s: float = PATIENCE_S) -> bool:
+    """Wait until something holds; False if it never does."""
+    deadline = time.monotonic() + patience_s
+    while not condition():
+        if time.monotonic() > deadline:
+            return False
+        time.sleep(0.05)
+    return True
+
+
+@pytest.fixture
+def wait_until() -> Callable[[Callable[[], bool]], bool]:
+    """Waits until something holds; False if it never does."""
+    return wait

@@ -1,0 +1,113 @@
+"""Runs that are killed, stopped, doubled, or overtaken by the clock go on to the results of an undisturbed run."""
+
+import os
+import shutil
+import signal
+import time
+
+import numpy as np
+import psutil
+import pytest
+from typer.testing import CliRunner
+
+from walklab.cli.app import app
+
+pytestmark = pytest.mark.workflow
+
+
+@pytest.mark.parametrize("kills", [3, pytest.param(20, marks=pytest.mark.slow)])
+def test_a_run_killed_at_random_moments_resumes(study, tally, kills):
+    """One run is killed again and again until it is done; then the next one, until all kills are spent."""
+    rng = np.random.default_rng(kills)
+    spent = 0
+    while spent < kills:
+        in_this_run = 0
+        with tally.attempt("SIGKILL of the run", 0):
+            while spent < kills:
+                process = study.start()
+                # A moment between the start of Snakemake and the end of the third job from now.
+                study.wait_for_jobs(process, study.finished_jobs() + int(rng.integers(0, 3)))
+                time.sleep(rng.uniform(0, 2))
+                if process.poll() is not None:
+                    break
+                _kill(process)
+                spent, in_this_run = spent + 1, in_this_run + 1
+                study.assert_whole()
+                study.unlock()
+        with tally.attempt("SIGKILL of the run", in_this_run):
+            study.run()
+            study.assert_undisturbed()
+        shutil.rmtree(study.results)
+
+
+def _kill(process):
+    os.killpg(process.pid, signal.SIGKILL)
+    process.communicate()
+
+
+def test_a_killed_job_is_named_and_done_again(done, tally):
+    done.remove("score_maps", "build_space", "train_model")
+    with tally.attempt("SIGKILL of a job"):
+        process = done.start()
+        victims = []
+        while not victims and process.poll() is None:
+            victims = [child for child in psutil.Process(process.pid).children(recursive=True) if _runs(child, "score_maps.py")]
+            time.sleep(0.02)
+        assert victims, process.communicate()[0][-4000:]
+        victims[0].kill()
+        output, _ = process.communicate()
+        assert process.returncode != 0
+        assert "score_maps" in output
+        done.assert_whole()
+        done.run()
+        done.assert_undisturbed()
+
+
+def _runs(process, script):
+    try:
+        command = process.cmdline()
+    except psutil.Error:
+        return False
+    # The shell in between has the script in one long argument.
+    return bool(command) and "python" in command[0] and command[-1].endswith(script)
+
+
+def test_ctrl_c_leaves_a_run_that_just_goes_on(done, tally):
+    done.remove("record_training", "extract_training", "plan_training", "score_maps", "build_space", "train_model")
+    with tally.attempt("Ctrl-C"):
+        before = done.finished_jobs()
+        process = done.start()
+        assert done.wait_for_jobs(process, before + 2), process.communicate()[0][-4000:]
+        os.killpg(process.pid, signal.SIGINT)
+        process.communicate(timeout=300)
+        assert process.returncode != 0
+        done.assert_whole()
+        done.run()  # no --unlock
+        done.assert_undisturbed()
+
+
+def test_a_second_run_in_the_same_folder_is_refused(done, tally):
+    done.remove("score_maps", "build_space", "train_model")
+    with tally.attempt("two runs at once"):
+        before = done.finished_jobs()
+        process = done.start()
+        assert done.wait_for_jobs(process, before + 1), process.communicate()[0][-4000:]
+        assert "cannot be locked" in done.run(fails=True)
+        output, _ = process.communicate(timeout=600)
+        assert process.returncode == 0, output[-4000:]
+        done.assert_undisturbed()
+
+
+def test_a_clock_that_goes_back_is_noticed_and_put_right(done, tally):
+    done.remove("build_space", "train_model")
+    with tally.attempt("clock going back"):
+        tomorrow = time.time() + 86_400
+        for path in done.results.rglob("*"):
+            if path.is_file():
+                os.utime(path, (tomorrow, tomorrow))
+        assert "clock skew" in done.run(fails=True)
+        told = CliRunner().invoke(app, ["check", str(done.results)]).output
+        assert "was dated in the future" in told
+        done.run()
+        done.assert_undisturbed()
+        assert "Nothing to be done" in done.run("--dry-run")
