@@ -114,9 +114,9 @@ def as_markdown(table: pd.DataFrame, node_memory_gb: float) -> str:
         for row in part.itertuples():
             cells = (f"{row.core_hours:.3g}", f"{row.memory_gb:.2g}", f"{row.disk_gb:.2g}")
             lines.append(f"| {total:,} | {row.stage} | {row.jobs:,} | {' | '.join(cells)} |")
-        largest = part.loc[part["memory_gb"].idxmax()]
+        largest = part.sort_values("memory_gb").iloc[-1]
         fits = largest["memory_gb"] <= node_memory_gb
-        verdict = "fits" if fits else f"**breaks**: {largest['stage']} does not fit"
+        verdict = "fits" if fits else f"breaks: {largest['stage']} does not fit"
         lines.append(
             f"| **{total:,}** | **all; {verdict} into {node_memory_gb:g} GB** | **{part['jobs'].sum():,}** "
             f"| **{part['core_hours'].sum():.3g}** | **{largest['memory_gb']:.2g}** | **{part['disk_gb'].sum():.2g}** |"

@@ -9,9 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from walklab.errors import InputError
+from walklab.runs.checksums import sha256
 from walklab.runs.comparison import flat
 from walklab.runs.io import read_record
-from walklab.runs.record import SCORE_KEYS, SCORE_VALUES, sha256
+from walklab.runs.record import SCORE_KEYS, SCORE_VALUES
 
 EXPERIMENT = "walklab"
 RECORD_TAG = "walklab.record"
