@@ -74,6 +74,8 @@ def _runs(process, script):
 
 def test_ctrl_c_leaves_a_run_that_just_goes_on(done, tally):
     done.remove("record_training", "extract_training", "plan_training", "score_maps", "build_space", "train_model")
+    # Started in the background, pytest ignores this signal, and so would what it starts.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     with tally.attempt("Ctrl-C"):
         before = done.finished_jobs()
         process = done.start()
