@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import fcntl
 import subprocess
 import time
 from collections.abc import Callable, Iterator
@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 
 from walklab.runs import checksums
+from walklab.storage import read_json, write_json
 
 ROOT = Path(__file__).parents[3]
 CONFIGURATION = ("--configfile", "tests/workflow/tiny.yaml")
@@ -51,9 +52,11 @@ def tally() -> Iterator[Tally]:
     tally = Tally()
     yield tally
     path = ROOT / "results/bench/faults.json"
-    known = json.loads(path.read_text()) if path.exists() else {}
     path.parent.mkdir(parents=True, exist_ok=True)
-    path.write_text(json.dumps(dict(sorted((known | tally.counts).items())), indent=2) + "\n")
+    with open(path.with_suffix(".lock"), "w") as lock:  # other workers may write at the same time
+        fcntl.flock(lock, fcntl.LOCK_EX)
+        known = read_json(path) if path.exists() else {}
+        write_json(dict(sorted((known | tally.counts).items())), path)
 
 
 @dataclass(frozen=True)
