@@ -1,0 +1,132 @@
+"""Print the tables of docs/evidence.md from the results of `make replicates` and `make recovery`; --write puts them there.
+
+The tables stand between the markers `<!-- name -->` and `<!-- /name -->`; the words around them are written by hand.
+"""
+
+import re
+import sys
+from pathlib import Path
+
+import pandas as pd
+
+ROOT = Path(__file__).parents[1]
+PAGE = ROOT / "docs/evidence.md"
+MODELS = ("P_Prob (calibrated)", "P_Prob (extended)", "P_Prob (extended), earlier walks")
+
+
+def markdown(header, rows):
+    """A table in Markdown."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def interval(row, digits=3, factor=1.0):
+    """A value with its interval."""
+    value, low, high = (f"{row[name] * factor:.{digits}f}" for name in ("value", "low", "high"))
+    return f"{value} [{low}, {high}]"
+
+
+def replicated_scores(folder):
+    """CRPS, energy score and coverage of every forecast: means over populations."""
+    scores = pd.read_csv(folder / "scores.csv")
+    scores = scores[scores["hull"] == "all"]
+    keyed = scores[scores["against"].isna()].set_index(["model", "scenario", "measure"])
+    scenarios = list(dict.fromkeys(scores["scenario"]))
+    rows = []
+    for model in dict.fromkeys(keyed.index.get_level_values("model")):
+        cells = [interval(keyed.loc[(model, scenario, "crps_s")]) for scenario in scenarios]
+        energies = [(model, scenario, "energy_m") for scenario in scenarios]
+        cells += [interval(keyed.loc[key]) if key in keyed.index else "-" for key in energies]
+        cells += [interval(keyed.loc[(model, scenario, "coverage_90")], 0, 100) for scenario in scenarios]
+        rows.append([model, *cells])
+    names = [scenario.replace("_", " ") for scenario in scenarios]
+    columns = [f"{measure}, {name}" for measure in ("CRPS (s)", "energy score (m)", "90 % interval holds (%)") for name in names]
+    return f"{scores['replicates'].max()} populations:\n\n" + markdown(["forecast", *columns], rows)
+
+
+def replicated_differences(folder):
+    """CRPS of the learned models minus that of every other forecast."""
+    scores = pd.read_csv(folder / "scores.csv")
+    rows = scores[(scores["hull"] == "all") & (scores["measure"] == "crps_difference_s") & scores["model"].isin(MODELS)]
+    keyed = rows.set_index(["against", "model", "scenario"])
+    pairs = [(model, scenario) for model in MODELS for scenario in dict.fromkeys(rows["scenario"])]
+    table = []
+    for against in dict.fromkeys(rows["against"]):
+        keys = [(against, *pair) for pair in pairs]
+        table.append([against, *(interval(keyed.loc[key]) if key in keyed.index else "-" for key in keys)])
+    header = [f"{model}, {scenario.replace('_', ' ')}" for model, scenario in pairs]
+    return markdown(["minus the CRPS of (s)", *header], table)
+
+
+def replicated_claims(folder):
+    """Which claims held in most of the populations, by the whole of their Wilson interval."""
+    claims = pd.read_csv(folder / "claims.csv")
+    directed, checked = claims["direction_held"].notna(), claims["replicates"] > 0
+    reproduced, direction = claims["reproduced_low"] > 0.5, claims["direction_held_low"] > 0.5
+    fails = claims["direction_held_high"].where(directed, claims["reproduced_high"]) < 0.5
+    groups = {
+        "reproduced in most": reproduced,
+        "direction holds in most, figure not": direction & ~reproduced,
+        "fails in most": fails,
+        "undecided": checked & ~(reproduced | direction | fails),
+        "not checkable": ~checked,
+    }
+    rows = [[name, str(int(rows.sum())), ", ".join(claims.loc[rows, "id"]) or "-"] for name, rows in groups.items()]
+    return markdown([f"in {claims['replicates'].max()} populations", "claims", "which"], rows)
+
+
+def recovery(folder):
+    """Distances from the known distribution, by reading, number of walks and resolution; means over tasks."""
+    table = pd.read_csv(folder / "recovery.csv")
+    table = table[table["measure"].isin(["ks", "energy"])]
+    order = list(dict.fromkeys(table["model"]))
+    means = table.groupby(["walks", "resolution", "model", "parameter"])["value"].mean().unstack("parameter")
+    names = [*(name for name in dict.fromkeys(table["parameter"]) if name != "all"), "all"]
+    rows = [
+        [f"{walks}", f"{resolution}", model, *(f"{means.loc[(walks, resolution, model), name]:.2f}" for name in names)]
+        for walks, resolution in dict.fromkeys(table[["walks", "resolution"]].itertuples(index=False, name=None))
+        for model in order
+    ]
+    header = [f"KS, {name}" for name in names[:-1]]
+    return markdown(["walks", "values per parameter", "reading", *header, "energy distance (sd)"], rows)
+
+
+def recovery_by_task(folder):
+    """KS distances task by task on the case in which both series meet."""
+    table = pd.read_csv(folder / "recovery.csv")
+    cases = table.drop_duplicates(["walks", "resolution"])
+    walks, resolution = cases["walks"].mode()[0], cases["resolution"].mode()[0]
+    chosen = table[(table["walks"] == walks) & (table["resolution"] == resolution) & (table["measure"] == "ks")]
+    means = chosen.groupby(["task", "model", "parameter"], sort=False)["value"].mean().unstack("parameter")
+    kept = ("P_Prob (calibrated)", "P_Prob, sharpened before blending")
+    rows = [[task, model, *(f"{value:.2f}" for value in row)] for (task, model), row in means.iterrows() if model in kept]
+    caption = f"{walks} walks, {resolution} values of each parameter:\n\n"
+    return caption + markdown(["task", "reading", *(f"KS, {name}" for name in means)], rows)
+
+
+TABLES = {
+    "replicated_scores": (replicated_scores, "replicates"),
+    "replicated_differences": (replicated_differences, "replicates"),
+    "replicated_claims": (replicated_claims, "replicates"),
+    "recovery": (recovery, "recovery"),
+    "recovery_by_task": (recovery_by_task, "recovery"),
+}
+
+
+def main(results, write):
+    """Print what can be made, or put it into the page."""
+    page = PAGE.read_text()
+    for name, (make, run) in TABLES.items():
+        if not (results / run).is_dir():
+            print(f"{name}: there is no {results / run}; run make {run} first", file=sys.stderr)
+            continue
+        text = f"<!-- {name} -->\n{make(results / run)}\n<!-- /{name} -->"
+        page, found = re.subn(rf"<!-- {name} -->.*?<!-- /{name} -->", lambda _, text=text: text, page, flags=re.DOTALL)
+        print(text if not write else f"{name}: {'written' if found else 'has no place in the page'}")
+    if write:
+        PAGE.write_text(page)
+
+
+if __name__ == "__main__":
+    arguments = [argument for argument in sys.argv[1:] if argument != "--write"]
+    main(Path(arguments[0] if arguments else ROOT / "results"), "--write" in sys.argv)
