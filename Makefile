@@ -4,6 +4,7 @@
 # make real     leave-one-subject-out on real walks (needs WALKLAB_DATA)
 # make replicates   the study on 20 synthetic populations, without figures and ablations
 # make recovery     does the method recover a known distribution? walks made by the planner itself
+# make multiverse   the study under other readings of the paper and other constants of the capture: results/multiverse
 # make test     all tests but the slow ones      make test-all   these too      make lint   all checks of style and structure
 # make bench    every benchmark beside its baseline: results/bench/summary.json
 # make track    log a finished run to MLflow (RUN=results/steering, URI=...)
@@ -18,7 +19,7 @@ BIN := .venv/bin
 SNAKEMAKE := $(BIN)/snakemake
 export WALKLAB_DATA ?= ../shared/data
 
-.PHONY: all small resampled real own replicates recovery test test-all bench track crate large sizing lint manual lock clean
+.PHONY: all small resampled real own multiverse replicates recovery test test-all bench track crate large sizing lint manual lock clean
 .DEFAULT_GOAL := all
 
 all: .venv/ready
@@ -49,6 +50,9 @@ replicates: .venv/ready
 recovery: .venv/ready
 	$(SNAKEMAKE) recovery --configfile config/recovery.yaml
 	$(SNAKEMAKE) recovery --configfile config/recovery.yaml --report results/recovery/snakemake_report.zip
+
+multiverse: .venv/ready
+	$(SNAKEMAKE) multiverse
 
 # One call, the longest files first: while a test of the DAG waits for a job, another worker uses the other core.
 test: .venv/ready .venv/tracking .venv/validator/ready

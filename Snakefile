@@ -15,6 +15,7 @@ include: "workflow/rules/replicates.smk"
 include: "workflow/rules/recovery.smk"
 include: "workflow/rules/record.smk"
 include: "workflow/rules/report.smk"
+include: "workflow/rules/multiverse.smk"
 
 
 report: "workflow/report/workflow.rst"

@@ -9,9 +9,12 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, real, realism, recovery, replicates
+from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, multiverse, real, realism, recovery, replicates
 from walklab.geometry.plans import Plan, Station
 from walklab.geometry.scene import Scene, disc
+from walklab.multiverse.choices import Choices
+from walklab.multiverse.specifications import specification_table, specifications
+from walklab.randomness import generator
 from walklab.steering.space import Axis, ParameterSpace
 
 NAMES, UNITS = ("length", "curvature", "height"), ("m", "1/m", "m")
@@ -216,6 +219,25 @@ def recovered_densities() -> pd.DataFrame:
     return pd.DataFrame(rows, columns=["task", "model", "parameter", "at", "density"])
 
 
+def listed() -> pd.DataFrame:
+    """Seven specifications, the last of which failed."""
+    table = specification_table(specifications(Choices(), 2, generator(1), vary=["weights", "start"]))
+    return table.assign(outcome=["ran"] * (len(table) - 1) + ["failed"])
+
+
+def effects() -> pd.DataFrame:
+    """Every effect of the specification curve, in both scenarios."""
+    names = listed()["specification"][:-1]
+    rows = [
+        (name, claim.format(scenario), 0.3 * np.sin(index + shift), index % 2 == 0)
+        for shift, claim in enumerate(multiverse.EFFECTS)
+        for scenario in ("scenario_1", "scenario_2")
+        for index, name in enumerate(names)
+    ]
+    frame = pd.DataFrame(rows, columns=["specification", "claim", "ours", "held"])
+    return frame.assign(ours_low=frame["ours"] - 0.1, ours_high=frame["ours"] + 0.1)
+
+
 def run_time() -> dict[str, Any]:
     fine = np.linspace(0.1, 1.3, 9)
     draws = np.random.default_rng(3).uniform(0.1, 1.3, (12, 3))
@@ -261,4 +283,5 @@ FIGURES: dict[str, Draw] = {
     "replicated_claims": lambda: replicates.fig_counted_claims(counted_claims()),
     "replicated_scores": lambda: replicates.fig_pooled_scores(pooled_scores()),
     "recovery": lambda: recovery.fig_recovery(recovered(), recovered_densities()),
+    "specification_curve": lambda: multiverse.fig_specification_curve(effects(), listed(), ["scenario_1", "scenario_2"]),
 }

@@ -18,7 +18,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from walklab.errors import InputError
-from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, real, recovery, replicates
+from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, multiverse, real, recovery, replicates
 from walklab.figures.style import DOUBLE_MM, MODEL_COLOURS, SINGLE_MM, colour, save, style
 
 every_figure = pytest.mark.parametrize("draw", FIGURES.values(), ids=FIGURES)
@@ -187,6 +187,9 @@ BLANK: dict[str, Callable[[Callable[[pd.DataFrame], pd.DataFrame]], Figure]] = {
     "replicated_claims": lambda empty: replicates.fig_counted_claims(empty(inputs.counted_claims())),
     "replicated_scores": lambda empty: replicates.fig_pooled_scores(empty(inputs.pooled_scores())),
     "recovery": lambda empty: recovery.fig_recovery(inputs.recovered(), empty(inputs.recovered_densities())),
+    "specification_curve": lambda empty: multiverse.fig_specification_curve(
+        empty(inputs.effects()), inputs.listed(), ["scenario_1", "scenario_2"]
+    ),
 }
 
 
@@ -233,3 +236,20 @@ def test_a_wide_spread_turns_the_time_axis_logarithmic_without_hiding_anything()
     data = np.concatenate([np.asarray(line.get_ydata(), dtype=float) for line in wide.get_lines()])
     assert wide.get_ylim()[0] < data.min()
     assert data.max() < wide.get_ylim()[1]
+
+
+def test_a_specification_curve_ascends_and_its_dots_stand_below_their_effects() -> None:
+    rows, table = inputs.effects(), inputs.listed()
+    figure = multiverse.fig_specification_curve(rows, table, ["scenario_1", "scenario_2"])
+    claim = next(iter(multiverse.EFFECTS)).format("scenario_1")
+    wanted = rows[rows["claim"] == claim].sort_values("ours")
+    columns = len(multiverse.EFFECTS)
+    curve, dots = figure.axes[0], figure.axes[columns]
+    shown = next(line.get_xydata() for line in curve.get_lines() if len(line.get_xydata()) == len(wanted))
+    assert shown[:, 1].tolist() == pytest.approx(wanted["ours"].tolist())
+    names = [label.get_text() for label in dots.get_yticklabels()]
+    uniform = names.index("weights: uniform")
+    marked = {float(x) for line in dots.get_lines() for x, y in line.get_xydata() if y == uniform and line.get_marker() == "."}
+    chosen = table.set_index("specification").loc[wanted["specification"], "weights"] == "uniform"
+    assert marked == set(np.flatnonzero(chosen).astype(float))
+    assert "1 more could not be run" in figure.get_supxlabel()

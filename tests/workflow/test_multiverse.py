@@ -1,0 +1,38 @@
+"""The multiverse through the DAG: the default is the study itself, and a lost specification is all that is done again."""
+
+import shutil
+
+import pandas as pd
+import pytest
+
+pytestmark = pytest.mark.workflow
+
+ARGUMENTS = ("multiverse", "--configfile", "tests/workflow/tiny.yaml")
+
+
+def test_the_multiverse_contains_the_study_and_resumes(finished_copy):
+    finished_copy.run("--cores", "2", *ARGUMENTS)
+    folder = finished_copy.folder / "results/tiny/multiverse"
+    specifications = pd.read_csv(folder / "specifications.csv")
+    assert specifications["specification"].tolist() == [
+        "default", "weights-inverse", "weights-uniform", "turn_exponent-low", "turn_exponent-high", "combination-00",
+    ]  # fmt: skip
+    assert (specifications["outcome"] == "ran").all(), specifications["reason"].tolist()
+    claims = pd.read_csv(folder / "claims.csv")
+
+    # The budget allows all walks of this study, so its own claims come out again, to the last digit.
+    study = pd.read_csv(finished_copy.folder / "results/tiny/claims.csv").set_index("id")
+    own = claims[(claims["specification"] == "default") & (claims["section"] != "beyond the paper")].set_index("claim")
+    assert len(own) > 50
+    columns = ["ours", "ours_low", "ours_high", "verdict"]
+    pd.testing.assert_frame_equal(own[columns], study.loc[own.index, columns], check_names=False, check_exact=True)
+    for name in ("weights-uniform", "turn_exponent-high", "combination-00"):
+        other = claims[claims["specification"] == name].set_index("claim")["ours"]
+        assert not other.equals(own["ours"].reindex(other.index)), f"{name} changed nothing"
+    assert (folder / "figures/specification_curve.svg").stat().st_size > 5_000
+
+    before = finished_copy.checksums()
+    shutil.rmtree(folder / "evaluate_specification/turn_exponent-low")
+    output = finished_copy.run("--cores", "1", *ARGUMENTS)
+    assert finished_copy.checksums() == before
+    assert "record population" not in output
