@@ -2,9 +2,7 @@
 
 from dataclasses import asdict
 
-from walklab.capture.scenario import ScenarioDesign
-from walklab.capture.training import TrainingDesign
-from walklab.multiverse.budget import affordable
+from walklab.multiverse.budget import Walked, affordable
 from walklab.multiverse.choices import Choices
 from walklab.multiverse.specifications import specifications
 from walklab.randomness import generator
@@ -50,13 +48,26 @@ def named_specifications():
 
 
 SPECIFICATIONS = named_specifications()
+
+
+def study_size():
+    """What is walked in the study."""
+    training, scenario = CONFIG["record_training"], CONFIG["record_scenario"]
+    return Walked(
+        people=CONFIG["participants"]["training"]["count"],
+        straight=len(training["straight_distances_m"]),
+        turning=len(TURNS) * len(training["turning_distances_m"]),
+        straight_repetitions=training["straight_repetitions"],
+        turning_repetitions=training["turning_repetitions"],
+        training_flawed=training["flawed_walks"],
+        sets=tuple(scenario["sets"]),
+        walks_per_set=walks_per_set(),
+        scenario_flawed=scenario["flawed_walks"],
+    )
+
+
 SIZE = affordable(
-    CONFIG["multiverse"]["budget_minutes"],
-    len(SPECIFICATIONS),
-    TrainingDesign(**CONFIG["record_training"]),
-    ScenarioDesign(**CONFIG["record_scenario"]),
-    CONFIG["participants"]["training"]["count"],
-    walks_per_set(),
+    CONFIG["multiverse"]["budget_minutes"], len(SPECIFICATIONS), study_size()
 )
 CAPTURE = {
     **section(
@@ -67,8 +78,17 @@ CAPTURE = {
         "extract_walks",
         "dependencies",
     ),
-    "record_training": asdict(SIZE.training),
-    "record_scenario": asdict(SIZE.scenarios),
+    "record_training": {
+        **CONFIG["record_training"],
+        "straight_repetitions": SIZE.walked.straight_repetitions,
+        "turning_repetitions": SIZE.walked.turning_repetitions,
+        "flawed_walks": SIZE.walked.training_flawed,
+    },
+    "record_scenario": {
+        **CONFIG["record_scenario"],
+        "sets": list(SIZE.walked.sets),
+        "flawed_walks": SIZE.walked.scenario_flawed,
+    },
 }
 POPULATION = ["training", *SCENARIOS]
 
@@ -94,19 +114,16 @@ rule list_specifications:
         f"{MULTIVERSE}/list_specifications/benchmark.tsv"
     params:
         **section("seed", "multiverse"),
-        **section("participants", "scenarios", "record_training", "record_scenario"),
         baseline=BASELINE,
-        walks_per_set=walks_per_set(),
+        study=asdict(study_size()),
         code=code("list_specifications.py"),
-    message:
-        str(SIZE)
     script:
         "../scripts/list_specifications.py"
 
 
 rule record_population:
     input:
-        training_plans=expand("config/scenes/{turn}.yaml", turn=TURNS),
+        training_plans=TURN_PLANS,
         scenario_plans=list(CONFIG["scenarios"].values()),
     output:
         walks=expand(
@@ -133,7 +150,7 @@ rule evaluate_specification:
         samples=rules.record_population.output.samples,
         training_plans=rules.record_population.input.training_plans,
         scenario_plans=rules.record_population.input.scenario_plans,
-        paper="config/papers/agethen_steering.yaml",
+        paper=PAPER,
     output:
         claims=f"{MULTIVERSE}/evaluate_specification/{{specification}}/claims.parquet",
         outcome=f"{MULTIVERSE}/evaluate_specification/{{specification}}/outcome.json",

@@ -136,6 +136,8 @@ onstart:
     # The estimate is that of the whole study.
     if not workflow.dag_settings.targets:
         print(announce())
+    if "multiverse" in workflow.dag_settings.targets:
+        print(f"walklab multiverse: {SIZE}; results in {MULTIVERSE}/.")
 
 
 onsuccess:

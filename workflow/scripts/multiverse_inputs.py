@@ -14,8 +14,9 @@ from walklab.geometry.plans import load_plan
 from walklab.geometry.scene import Body
 from walklab.geometry.standing import Standing
 from walklab.multiverse.population import CaptureDesign
-from walklab.multiverse.specifications import Specification, specification_named
+from walklab.multiverse.specifications import Specification
 from walklab.multiverse.study import StudySettings
+from walklab.multiverse.table import specification_named
 from walklab.steering.space import space_from_config
 from walklab.storage import read_table
 

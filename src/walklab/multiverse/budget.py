@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 
-from walklab.capture.scenario import ScenarioDesign
-from walklab.capture.training import TrainingDesign
 from walklab.errors import InputError
 
 # Measured on 2 cores of a 2.6 GHz EPYC, 1000 cells; an indication, not a promise.
@@ -16,23 +14,70 @@ SETS_PER_REPETITION = 2  # of the scenarios with each repetition of the training
 
 
 @dataclass(frozen=True)
+class Walked:
+    """What is walked in both experiments.
+
+    Attributes
+    ----------
+    people : participants of the training
+    straight, turning : configurations of the training
+    straight_repetitions, turning_repetitions : how often each is walked
+    training_flawed : walks of the training that are spoilt
+    sets : of each participant of the scenarios
+    walks_per_set : of all scenarios together
+    scenario_flawed : walks of each scenario that are spoilt
+    """
+
+    people: int
+    straight: int
+    turning: int
+    straight_repetitions: int
+    turning_repetitions: int
+    training_flawed: int
+    sets: tuple[int, ...]
+    walks_per_set: int
+    scenario_flawed: int
+
+    @property
+    def training_walks(self) -> int:
+        """Walks of the training."""
+        return self.people * (self.straight * self.straight_repetitions + self.turning * self.turning_repetitions)
+
+    @property
+    def walks(self) -> int:
+        """All walks."""
+        return self.training_walks + sum(self.sets) * self.walks_per_set
+
+    def thinned(self, repetitions: int) -> Walked:
+        """The same with each configuration walked at most so often; as large a share of the walks is spoilt as before."""
+        fewer = replace(
+            self,
+            straight_repetitions=min(repetitions, self.straight_repetitions),
+            turning_repetitions=min(repetitions, self.turning_repetitions),
+            sets=tuple(min(SETS_PER_REPETITION * repetitions, most) for most in self.sets),
+        )
+        return replace(
+            fewer,
+            training_flawed=round(self.training_flawed * fewer.training_walks / self.training_walks),
+            scenario_flawed=round(self.scenario_flawed * sum(fewer.sets) / sum(self.sets)),
+        )
+
+
+@dataclass(frozen=True)
 class Size:
-    """What one specification is run on.
+    """What each specification is run on.
 
     Attributes
     ----------
     specifications : how many there are
-    repetitions : how often every training configuration is walked; 0 if the budget does not even allow one
-    training, scenarios : the designs, thinned to that
-    walks : about how many those are
+    repetitions : how often every training configuration is walked at most; 0 if the budget does not even allow once
+    walked : what is walked then (once, if not even that is allowed)
     minutes : expected duration of all specifications on two cores
     """
 
     specifications: int
     repetitions: int
-    training: TrainingDesign
-    scenarios: ScenarioDesign
-    walks: int
+    walked: Walked
     minutes: float
 
     def checked(self, budget_minutes: float) -> Size:
@@ -40,63 +85,27 @@ class Size:
         if self.repetitions == 0:
             raise InputError(
                 f"config key multiverse.budget_minutes: {budget_minutes:g} are too few for {self.specifications} specifications"
-                f" on {self.walks} walks each; give {self.minutes:.0f}, or vary less"
+                f" on {self.walked.walks} walks each; give {self.minutes:.0f}, or vary less"
             )
         return self
 
     def __str__(self) -> str:
         return (
-            f"multiverse: {self.specifications} specifications on about {self.walks} walks each (every training configuration"
-            f" {max(self.repetitions, 1)} times by everybody); expected {self.minutes:.0f} min on {CORES} cores"
+            f"{self.specifications} specifications on about {self.walked.walks} walks each (every configuration of the training"
+            f" {self.walked.straight_repetitions} times by everybody); expected {self.minutes:.0f} min on {CORES} cores"
         )
 
 
-def affordable(
-    budget_minutes: float,
-    specifications: int,
-    training: TrainingDesign,
-    scenarios: ScenarioDesign,
-    people: int,
-    walks_per_set: int,
-) -> Size:
-    """The designs of both experiments, walked as often as the budget allows and at most as often as they say.
-
-    Parameters
-    ----------
-    training, scenarios : as in the study
-    people : participants of the training
-    walks_per_set : walks of one set of all scenarios together
-    """
-    for repetitions in range(_most(training, scenarios), 0, -1):
-        size = _thinned(repetitions, specifications, training, scenarios, people, walks_per_set)
+def affordable(budget_minutes: float, specifications: int, study: Walked) -> Size:
+    """What can be walked as often as the budget allows, and at most as often as in the study."""
+    by_sets = -(-max(study.sets) // SETS_PER_REPETITION)
+    for repetitions in range(max(study.straight_repetitions, study.turning_repetitions, by_sets), 0, -1):
+        size = _size(specifications, repetitions, study.thinned(repetitions))
         if size.minutes <= budget_minutes:
             return size
-    return replace(_thinned(1, specifications, training, scenarios, people, walks_per_set), repetitions=0)
+    return replace(_size(specifications, 1, study.thinned(1)), repetitions=0)
 
 
-def _most(training: TrainingDesign, scenarios: ScenarioDesign) -> int:
-    by_sets = -(-max(scenarios.sets) // SETS_PER_REPETITION)
-    return max(training.straight_repetitions, training.turning_repetitions, by_sets)
-
-
-def _thinned(
-    repetitions: int, specifications: int, training: TrainingDesign, scenarios: ScenarioDesign, people: int, walks_per_set: int
-) -> Size:
-    straight, turning = (min(repetitions, most) for most in (training.straight_repetitions, training.turning_repetitions))
-    turns = len(training.turning_angles_deg) * len(training.turning_distances_m)
-    walks = people * (len(training.straight_distances_m) * straight + turns * turning)
-    all_walks = people * (
-        len(training.straight_distances_m) * training.straight_repetitions + turns * training.turning_repetitions
-    )
-    sets = tuple(min(SETS_PER_REPETITION * repetitions, most) for most in scenarios.sets)
-    # As large a share of the walks is spoilt as in the study.
-    fewer = replace(
-        training,
-        straight_repetitions=straight,
-        turning_repetitions=turning,
-        flawed_walks=round(training.flawed_walks * walks / all_walks),
-    )
-    flawed = round(scenarios.flawed_walks * sum(sets) / sum(scenarios.sets))
-    walks += sum(sets) * walks_per_set
-    minutes = specifications * (SECONDS_PER_SPECIFICATION + SECONDS_PER_WALK * walks) / 60 / CORES
-    return Size(specifications, repetitions, fewer, replace(scenarios, sets=sets, flawed_walks=flawed), walks, minutes)
+def _size(specifications: int, repetitions: int, walked: Walked) -> Size:
+    seconds = specifications * (SECONDS_PER_SPECIFICATION + SECONDS_PER_WALK * walked.walks)
+    return Size(specifications, repetitions, walked, seconds / 60 / CORES)

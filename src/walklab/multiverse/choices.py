@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from walklab.errors import InputError
-from walklab.steering.scaling import ScalingRule
-from walklab.steering.suitability import Normalisation
-from walklab.steering.weighting import Weighting
+
+if TYPE_CHECKING:  # a workflow lists its specifications before it needs the kernels that these modules bring along
+    from walklab.steering.scaling import ScalingRule
+    from walklab.steering.suitability import Normalisation
+    from walklab.steering.weighting import Weighting
 
 Value = str | bool
 

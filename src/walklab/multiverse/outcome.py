@@ -67,7 +67,7 @@ def collect(
 
     Parameters
     ----------
-    table : from :func:`walklab.multiverse.specifications.specification_table`
+    table : from :func:`walklab.multiverse.table.specification_table`
     claims, outcomes : of every specification, in its order; a failed one has no claims
 
     Raises

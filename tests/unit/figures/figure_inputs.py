@@ -13,7 +13,8 @@ from walklab.figures import blending, capture, claims, evaluation, forecasts, ma
 from walklab.geometry.plans import Plan, Station
 from walklab.geometry.scene import Scene, disc
 from walklab.multiverse.choices import Choices
-from walklab.multiverse.specifications import specification_table, specifications
+from walklab.multiverse.specifications import specifications
+from walklab.multiverse.table import specification_table
 from walklab.randomness import generator
 from walklab.steering.space import Axis, ParameterSpace
 

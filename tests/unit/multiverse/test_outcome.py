@@ -7,7 +7,8 @@ import pytest
 from walklab.errors import InputError
 from walklab.multiverse.choices import Choices
 from walklab.multiverse.outcome import attempt, collect, failed
-from walklab.multiverse.specifications import specification_table, specifications
+from walklab.multiverse.specifications import specifications
+from walklab.multiverse.table import specification_table
 from walklab.multiverse.verdicts import summary
 from walklab.randomness import generator
 

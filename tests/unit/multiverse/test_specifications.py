@@ -14,10 +14,9 @@ from walklab.multiverse.specifications import (
     COMBINATION,
     CONSTANT,
     DEFAULT,
-    specification_named,
-    specification_table,
     specifications,
 )
+from walklab.multiverse.table import specification_named, specification_table
 from walklab.randomness import generator
 
 BASELINE = Choices()
