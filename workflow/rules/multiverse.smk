@@ -73,6 +73,7 @@ CAPTURE = {
     **section(
         "seed",
         "participants",
+        "generator",
         "scenarios",
         "standing",
         "extract_walks",

@@ -1,6 +1,7 @@
 """Run the study of one specification and judge every claim by it; what goes wrong is an outcome too."""
 
 from adapter import job
+from capture_inputs import constants_of
 from multiverse_inputs import capture_design, specification_of, study_settings
 from walklab.capture.ranges import constants_at
 from walklab.capture.walks import read_walk_table
@@ -14,7 +15,7 @@ from walklab.storage import read_table, write_json, write_table
 def tables_of(snakemake, positions, design):
     """Walks and samples of every group, recorded with other constants or as they were recorded for all."""
     if positions:
-        return record_population(design, constants_at(positions))
+        return record_population(design, constants_at(positions, constants_of(snakemake.params.generator)))
     names, files = [TRAINING, *snakemake.params.scenarios], snakemake.input
     return {
         name: (read_walk_table(walks, accepted_only=False), read_table(samples))

@@ -13,7 +13,7 @@ from walklab.capture.participants import Group, draw_participants
 from walklab.capture.scenario import ScenarioDesign, record_scenario
 from walklab.capture.segmentation import SegmentationRules, extract_walks
 from walklab.capture.training import TrainingDesign, record_training
-from walklab.capture.walks import Walk, walks_of
+from walklab.capture.walks import Walk, pair
 from walklab.geometry.plans import Plan
 from walklab.geometry.standing import Standing
 from walklab.randomness import generator
@@ -77,6 +77,6 @@ class Population:
 
 def population_of(tables: Mapping[str, Tables]) -> Population:
     """The accepted walks of :func:`record_population`."""
-    walks = {name: walks_of(*pair, name) for name, pair in tables.items()}
+    walks = {name: pair(*both, name) for name, both in tables.items()}
     training = sorted(walks.pop(TRAINING), key=lambda walk: walk.row["walk"])
     return Population(training, walks)
