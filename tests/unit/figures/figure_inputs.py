@@ -9,7 +9,19 @@ import numpy as np
 import pandas as pd
 from matplotlib.figure import Figure
 
-from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, multiverse, real, realism, recovery, replicates
+from walklab.figures import (
+    blending,
+    capture,
+    claims,
+    evaluation,
+    forecasts,
+    maps,
+    multiverse,
+    real,
+    realism,
+    recovery,
+    replicates,
+)
 from walklab.geometry.plans import Plan, Station
 from walklab.geometry.scene import Scene, disc
 from walklab.multiverse.choices import Choices
