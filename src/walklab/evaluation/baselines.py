@@ -9,9 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-import statsmodels.api as sm
 from numpy.typing import ArrayLike, NDArray
-from scipy import stats
+from scipy.special import stdtrit
 
 from walklab.errors import InputError
 
@@ -73,6 +72,8 @@ def regression(durations_s: ArrayLike, vectors: ArrayLike, asked_vectors: ArrayL
     InputError
         If there are too few training walks for the residual spread.
     """
+    from statsmodels.regression.linear_model import OLS  # late: a second of imports
+
     known, asked = np.atleast_2d(np.asarray(vectors, dtype=float)), np.atleast_2d(np.asarray(asked_vectors, dtype=float))
     varies = known.std(axis=0) > 1e-9 * np.maximum(np.abs(known).max(axis=0), 1.0)
     # Centred and scaled: the pseudo-inverse would otherwise drop directions of small units.
@@ -80,9 +81,9 @@ def regression(durations_s: ArrayLike, vectors: ArrayLike, asked_vectors: ArrayL
     design = np.column_stack([np.ones(len(known)), (known[:, varies] - centre) / scale])
     if len(known) < design.shape[1] + 2:
         raise InputError(f"regression: {len(known)} training walks are too few for {design.shape[1]} coefficients; add walks")
-    fit = sm.OLS(np.asarray(durations_s, dtype=float), design).fit()
+    fit = OLS(np.asarray(durations_s, dtype=float), design).fit()
     forecast = fit.get_prediction(np.column_stack([np.ones(len(asked)), (asked[:, varies] - centre) / scale]))
-    members_s = forecast.predicted[:, None] + forecast.se_obs[:, None] * stats.t.ppf(levels(members), fit.df_resid)
+    members_s = forecast.predicted[:, None] + forecast.se_obs[:, None] * stdtrit(fit.df_resid, levels(members))
     return np.maximum(members_s, 0.0)
 
 

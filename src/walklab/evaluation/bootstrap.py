@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import stats
+from scipy.special import ndtr, stdtrit
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -79,7 +79,7 @@ def interval(resampled: Array, clusters: int, level: float = 0.95) -> tuple[Any,
     if clusters < 2:
         nothing = np.full(resampled.shape[1:], np.nan)[()]
         return nothing, nothing
-    tail = stats.norm.cdf(-np.sqrt(clusters / (clusters - 1)) * stats.t.ppf((1 + level) / 2, clusters - 1))
+    tail = ndtr(-np.sqrt(clusters / (clusters - 1)) * stdtrit(clusters - 1, (1 + level) / 2))
     # Adding zero turns a rounded -0.0 into 0.0.
     low, high = np.round(np.quantile(resampled, [tail, 1 - tail], axis=0), DECIMALS) + 0.0
     return low, high

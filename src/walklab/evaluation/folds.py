@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
-from sklearn.model_selection import LeaveOneGroupOut
 
 from walklab.errors import InputError
 
@@ -26,6 +25,8 @@ def by_participant(participants: Sequence[str] | NDArray[np.str_], least: int = 
     InputError
         If there are fewer participants than that.
     """
+    from sklearn.model_selection import LeaveOneGroupOut  # late: half a second of imports
+
     owners = np.asarray(participants, dtype=str)
     count = len(np.unique(owners))
     if count < least:

@@ -9,9 +9,8 @@ import warnings
 from collections.abc import Sequence
 
 import numpy as np
-import statsmodels.api as sm
 from numpy.typing import ArrayLike, NDArray
-from scipy import stats
+from scipy.special import ndtri
 
 from walklab.evaluation.baselines import levels
 from walklab.evaluation.pace import fit_pace
@@ -34,12 +33,15 @@ def quantile_regression(durations_s: ArrayLike, vectors: ArrayLike, asked_vector
 
     Quantiles that cross are sorted; between the levels they are interpolated, beyond the outermost held.
     """
+    from statsmodels.regression.quantile_regression import QuantReg  # late: a second of imports
+    from statsmodels.tools.tools import add_constant
+
     known, asked = designs(vectors, asked_vectors)
-    design, wanted = sm.add_constant(known, has_constant="add"), sm.add_constant(asked, has_constant="add")
+    design, wanted = add_constant(known, has_constant="add"), add_constant(asked, has_constant="add")
     with warnings.catch_warnings():
         # Captured times are multiples of a frame; among ties the iteration may alternate between equally good lines.
         warnings.simplefilter("ignore")
-        model = sm.QuantReg(np.asarray(durations_s, dtype=float), design)
+        model = QuantReg(np.asarray(durations_s, dtype=float), design)
         fitted = np.sort(np.stack([wanted @ model.fit(q=level).params for level in FITTED_LEVELS], axis=1), axis=1)
     return np.maximum([np.interp(levels(members), FITTED_LEVELS, row) for row in fitted], 0.0)
 
@@ -55,7 +57,7 @@ def gaussian_process(durations_s: ArrayLike, vectors: ArrayLike, asked_vectors: 
         warnings.simplefilter("ignore")  # a length scale at its bound says that the dependency does not matter
         model = GaussianProcessRegressor(kernel, normalize_y=True).fit(known, np.asarray(durations_s, dtype=float))
     mean, sd = model.predict(asked, return_std=True)
-    return np.maximum(mean[:, None] + sd[:, None] * stats.norm.ppf(levels(members)), 0.0)
+    return np.maximum(mean[:, None] + sd[:, None] * ndtri(levels(members)), 0.0)
 
 
 def personal_regression(
@@ -74,16 +76,19 @@ def personal_regression(
     forecast: fitted value + posterior of the person's intercept + a walk's own spread. ``logarithmic`` fits log T on log of
     the lengths and the other dependencies as they are, so that the intercept is a pace.
     """
+    from statsmodels.regression.linear_model import OLS  # late: a second of imports
+    from statsmodels.tools.tools import add_constant
+
     known, asked = designs(_logged(vectors) if logarithmic else vectors, _logged(asked_vectors) if logarithmic else asked_vectors)
     times, captured = np.asarray(durations_s, dtype=float), np.asarray(asked_durations_s, dtype=float)
     if logarithmic:
         times, captured = np.log(times), np.log(captured)
-    fit = sm.OLS(times, sm.add_constant(known, has_constant="add")).fit()
-    fitted = fit.predict(sm.add_constant(asked, has_constant="add"))
+    fit = OLS(times, add_constant(known, has_constant="add")).fit()
+    fitted = fit.predict(add_constant(asked, has_constant="add"))
     effect = fit_pace(fit.resid, participants)
     mean, sd = effect.posterior(captured - fitted, asked_participants)
     spread = np.sqrt(sd**2 + effect.walk_sd**2)
-    forecast = fitted[:, None] + mean[:, None] + spread[:, None] * stats.norm.ppf(levels(members))
+    forecast = fitted[:, None] + mean[:, None] + spread[:, None] * ndtri(levels(members))
     return np.exp(forecast) if logarithmic else np.maximum(forecast, 0.0)
 
 

@@ -7,8 +7,6 @@ from typing import Literal
 
 import numpy as np
 import pandas as pd
-from scipy.interpolate import RegularGridInterpolator
-from scipy.optimize import dual_annealing
 
 from walklab.errors import InputError
 from walklab.evaluation.bootstrap import RESAMPLES, Array, cluster_codes, cluster_counts, interval, resampled_quantiles
@@ -158,6 +156,8 @@ def _static_optimum(
     captured_s = training["travel_time_s"].to_numpy(dtype=float)
     groups = {float(distance): captured_s[distances == distance] for distance in np.unique(distances)}
 
+    from scipy.optimize import dual_annealing  # late: half a second of imports
+
     def mean_error_s(parameters: Array) -> float:
         total = 0.0
         for distance, captured in groups.items():
@@ -203,6 +203,8 @@ def fine_times_s(distance_m: float, times_s: Array, space: ParameterSpace) -> Ar
     axes = fine_axes(space)
     fine = np.column_stack([grid.ravel() for grid in np.meshgrid(*axes, indexing="ij")])
     off = (times_s - _closed_form_s(distance_m, space.cells, space.names)).reshape(space.shape)
+    from scipy.interpolate import RegularGridInterpolator  # late: half a second of imports
+
     interpolate = RegularGridInterpolator([axis.values for axis in space.axes], off)
     return np.asarray(interpolate(fine)) + _closed_form_s(distance_m, fine, space.names)
 

@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import statsmodels.formula.api as smf
 
 from walklab.evaluation.pairs import PAIRS, paired
 
@@ -55,6 +54,8 @@ def intercept_of(differences: pd.DataFrame) -> dict[str, Any]:
 
 
 def _fit_mixed(data: pd.DataFrame, formula: str, fit: str) -> list[dict[str, Any]]:
+    import statsmodels.formula.api as smf  # late: a second of imports
+
     empty = {"participant_sd_s": np.nan, "residual_sd_s": np.nan, "converged": False}
     if data["participant"].nunique() < 2 or np.ptp(data["error"]) == 0:
         return [{"fit": fit, "term": "Intercept", "estimate_s": data["error"].mean(), "standard_error_s": np.nan}

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy import stats
+from scipy.special import ndtri
 
 Array = NDArray[np.float64]
 
@@ -77,7 +77,7 @@ def paced(members_s: Array, mean: Array, sd: Array, walk_sd: ArrayLike, levels: 
     mean, sd : (W,) of the normal b
     walk_sd : of the walks of one person; e is normal with what the density's own spread leaves of it
     """
-    nodes = stats.norm.ppf((np.arange(NODES) + 0.5) / NODES)
+    nodes = ndtri((np.arange(NODES) + 0.5) / NODES)
     missing = np.maximum(np.asarray(walk_sd) ** 2 - np.log(members_s).var(axis=1), 0.0)
     effects = np.exp(mean[:, None] + np.sqrt(sd**2 + missing)[:, None] * nodes)
     mixed = (effects[:, :, None] * members_s[:, None, :]).reshape(len(members_s), -1)

@@ -12,8 +12,6 @@ from collections.abc import Sequence
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
-from scipy import stats
-from statsmodels.stats.multitest import multipletests
 
 from walklab.evaluation.bootstrap import RESAMPLES, cluster_codes, cluster_counts, interval, resampled_sums
 from walklab.evaluation.forecasts import (
@@ -83,6 +81,8 @@ def pair_table(
 
 def holm(p: Array) -> Array:
     """Holm's step-down correction (statsmodels); missing values stay missing and do not count."""
+    from statsmodels.stats.multitest import multipletests  # late: a second of imports
+
     result = np.full(len(p), np.nan)
     known = np.isfinite(p)
     if known.any():
@@ -136,28 +136,34 @@ def simulated_power(
 
 def _signed_rank(differences: Array, method: str) -> Array:
     """Two-sided p of every row; 1 where all differences are zero."""
+    from scipy.stats import wilcoxon  # late: half a second of imports
+
     result = np.ones(len(differences))
     some = (differences != 0).any(axis=1)
     if some.any() and differences.shape[1] > 1:
         exact_possible = method != "exact" or not (differences == 0).any()
         chosen = method if exact_possible else "asymptotic"
-        result[some] = stats.wilcoxon(differences[some], axis=1, method=chosen, correction=chosen == "asymptotic").pvalue
+        result[some] = wilcoxon(differences[some], axis=1, method=chosen, correction=chosen == "asymptotic").pvalue
     return result
 
 
 def _rank_biserial(difference: Array) -> float:
     """(sum of positive ranks - sum of negative ranks) / their sum; zeros are left out."""
+    from scipy.stats import rankdata
+
     used = difference[difference != 0]
     if not len(used):
         return 0.0
-    ranks = stats.rankdata(np.abs(used))
+    ranks = rankdata(np.abs(used))
     return float((ranks * np.sign(used)).sum() / ranks.sum())
 
 
 def _resampled_rank_biserial(difference: Array, codes: NDArray[np.int64], counts: NDArray[np.int64]) -> Array:
     """The same of every resample, the ranks being those of all walks: their order does not depend on who is drawn."""
+    from scipy.stats import rankdata
+
     used = difference != 0
     ranks = np.zeros(len(difference))
-    ranks[used] = stats.rankdata(np.abs(difference[used]))
+    ranks[used] = rankdata(np.abs(difference[used]))
     sums = resampled_sums(np.column_stack([ranks * np.sign(difference), ranks]), codes, counts)
     return np.asarray(sums[:, 0] / np.maximum(sums[:, 1], 1e-9))

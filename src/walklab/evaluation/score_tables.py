@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import scoringrules as sr
 from numpy.typing import NDArray
-from scipy import stats
 
 from walklab.evaluation.bootstrap import DECIMALS, RESAMPLES, cluster_codes, cluster_counts, interval, resampled_sums
+from walklab.evaluation.crps import ensemble_crps
 from walklab.evaluation.forecasts import INFORMED, Forecast
 from walklab.evaluation.subject_scores import OWN_MAP
 
@@ -41,7 +40,7 @@ def walk_scores(captured_s: Array, forecasts: Mapping[str, Forecast], walks: pd.
     for model, forecast in forecasts.items():
         members = forecast.members_s
         columns: dict[str, Any] = {"model": model, "captured_s": captured_s}
-        columns["crps_s"] = np.asarray(sr.crps_ensemble(captured_s, members, estimator="qd")).reshape(len(captured_s))
+        columns["crps_s"] = ensemble_crps(captured_s, members)
         columns["energy_m"] = np.nan if forecast.energy_m is None else forecast.energy_m
         for level in COVERAGES:
             low, high = np.quantile(members, [0.5 - level / 200, 0.5 + level / 200], axis=1, method="hazen")
@@ -66,6 +65,8 @@ def score_table(rows: pd.DataFrame, rng: np.random.Generator, resamples: int = R
     distance of the PIT from uniform; walks are not independent, so no p), draw_median_abs_dt_s (not a proper score),
     crps_minus_regression_s with its interval, paired by walk
     """
+    from scipy.stats import kstest  # late: half a second of imports
+
     tables = []
     for (scenario, hull), part in parts(rows):
         codes, clusters = cluster_codes(part.loc[part["model"] == part["model"].iloc[0], "participant"])
@@ -81,7 +82,7 @@ def score_table(rows: pd.DataFrame, rng: np.random.Generator, resamples: int = R
             for name, value in values.items():
                 low, high = interval(resampled_sums(value, codes, counts) / sizes, clusters)
                 row |= {name: float(np.round(value.mean(), DECIMALS)), f"{name}_low": low, f"{name}_high": high}
-            row["pit_distance"] = float(stats.kstest(group["pit"], "uniform").statistic)
+            row["pit_distance"] = float(kstest(group["pit"], "uniform").statistic)
             row["draw_median_abs_dt_s"] = float(group["draw_abs_dt_s"].median())
             tables.append(row)
     return pd.DataFrame(tables)

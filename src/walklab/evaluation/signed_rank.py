@@ -7,10 +7,8 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import pingouin
 from numpy.typing import ArrayLike
-from scipy import stats
-from statsmodels.stats.power import ttest_power
+from scipy.special import ndtr
 
 from walklab.errors import InputError
 from walklab.evaluation.bootstrap import RESAMPLES, Array, Integers, cluster_codes, cluster_counts, interval, resampled_sums
@@ -39,6 +37,8 @@ def wilcoxon_power_are(dz: ArrayLike, n: ArrayLike, alpha: float = 0.05, parent:
     -------
     float or array in [alpha, 1]
     """
+    from statsmodels.stats.power import ttest_power  # late: a second of imports
+
     if parent not in RELATIVE_EFFICIENCY:
         raise InputError(f"power: unknown parent distribution {parent!r}; known are {sorted(RELATIVE_EFFICIENCY)}")
     effective = np.asarray(n, dtype=float) * RELATIVE_EFFICIENCY[parent]
@@ -110,6 +110,8 @@ def _compare(
 
 
 def _wilcoxon(first: Array, second: Array, difference: Array) -> tuple[float, float, float, float]:
+    import pingouin  # late: seconds of imports
+
     cles = float(pingouin.compute_effsize(first, second, paired=True, eftype="CLES"))
     if not difference.any():
         return 0.0, 1.0, 0.0, cles
@@ -147,7 +149,7 @@ def resampled_wilcoxon_p(difference: Array, codes: Integers, counts: Integers) -
         variance = total * (total + 1) * (2 * total + 1) / 24 - (equal**3 - equal).sum(axis=1) / 48
         distance = np.maximum(np.abs(rank_sum - mean) - 0.5, 0.0)
         z = np.divide(distance, np.sqrt(np.maximum(variance, 0)), out=np.zeros_like(distance), where=variance > 0)
-        result[start : start + 250] = 2 * stats.norm.sf(z)
+        result[start : start + 250] = 2 * ndtr(-z)
     return np.minimum(result, 1.0)
 
 

@@ -7,8 +7,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import pingouin
-from scipy import stats
 
 from walklab.evaluation.bootstrap import (
     DECIMALS,
@@ -53,6 +51,8 @@ def describe(trials: pd.DataFrame, column: str = "abs_dt_s") -> pd.DataFrame:
 
 
 def _describe_one(model: str, group: pd.DataFrame, column: str) -> dict[str, Any]:
+    from scipy.stats import skew  # late, as below
+
     values = group[column].to_numpy(dtype=float)
     quantiles = dict(zip(LEVELS, np.quantile(values, list(LEVELS.values())), strict=True))
     w, p = shapiro_wilk(values)
@@ -66,7 +66,7 @@ def _describe_one(model: str, group: pd.DataFrame, column: str) -> dict[str, Any
         "sd": values.std(ddof=1) if len(values) > 1 else np.nan,
         **quantiles,
         "iqr": quantiles["p75"] - quantiles["p25"],
-        "skew": float(stats.skew(values)) if np.ptp(values) > 0 else np.nan,
+        "skew": float(skew(values)) if np.ptp(values) > 0 else np.nan,
         "shapiro_w": w,
         "shapiro_p": p,
         "median_signed_dt_s": float(group["dt_s"].median()),
@@ -77,6 +77,8 @@ def shapiro_wilk(values: Array) -> tuple[float, float]:
     """W and p of the Shapiro-Wilk test; of an evenly thinned sample where there are more than 5000 values."""
     if len(values) < 4 or np.ptp(values) == 0:
         return np.nan, np.nan
+    import pingouin  # late: seconds of imports, which rules that only resample need not pay
+
     thinned = values[:: int(np.ceil(len(values) / LARGEST_SHAPIRO_SAMPLE))]
     outcome = pingouin.normality(thinned).iloc[0]
     return float(outcome["W"]), float(outcome["pval"])

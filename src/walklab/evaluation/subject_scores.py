@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-import scoringrules as sr
 from numpy.typing import ArrayLike, NDArray
 
 from walklab.errors import InputError
 from walklab.evaluation.bootstrap import DECIMALS, RESAMPLES, cluster_counts, interval
+from walklab.evaluation.crps import ensemble_crps
 
 Array = NDArray[np.float64]
 
@@ -52,7 +52,7 @@ def forecast_scores(captured_s: ArrayLike, members_s: ArrayLike) -> pd.DataFrame
             "low_s": low,
             "high_s": high,
             "covered": (low <= observed) & (observed <= high),
-            "crps_s": np.asarray(sr.crps_ensemble(observed, members, estimator="qd"), dtype=float).reshape(len(observed)),
+            "crps_s": ensemble_crps(observed, members),
             "draw_abs_dt_s": np.median(np.abs(errors), axis=1),
             "draw_dt_s": np.median(errors, axis=1),
         }

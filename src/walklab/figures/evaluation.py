@@ -7,7 +7,6 @@ from typing import Any
 
 import numpy as np
 import pandas as pd
-import seaborn as sns
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
@@ -104,6 +103,8 @@ def travel_time_errors(
 
 
 def _histograms(figure: Figure, grid: Any, trials: pd.DataFrame, models: list[str], limit: float) -> None:
+    import seaborn as sns  # late: a second of imports, which the other figures of this module need not pay
+
     bins = np.linspace(0, limit, 41)
     panels: list[Axes] = []
     for row, model in enumerate(models):

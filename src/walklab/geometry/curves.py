@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import UnivariateSpline
 from scipy.ndimage import gaussian_filter1d
 
 Array = NDArray[np.float64]
@@ -119,6 +118,8 @@ def sample_sum_curvature(points_m: Array) -> float:
     ValueError
         If there are fewer than 6 points, which a fifth-degree spline needs.
     """
+    from scipy.interpolate import UnivariateSpline  # late: half a second of imports
+
     if len(points_m) < 6:
         raise ValueError(f"a fifth-degree spline needs at least 6 points, not {len(points_m)}")
     at = np.arange(len(points_m), dtype=float)

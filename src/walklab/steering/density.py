@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sklearn.neighbors import KDTree
 
 from walklab.steering.scaling import Scaling
 
@@ -21,6 +20,8 @@ def density(vectors: ArrayLike, scaling: Scaling, k: int = 100) -> dict[str, flo
     0 for a lattice); ``k`` and ``kth_median``, ``kth_p95`` of the distance to the k-th other entry,
     the reach of a blend
     """
+    from sklearn.neighbors import KDTree  # late: a second of imports
+
     points = scaling.apply(vectors)
     distinct = np.unique(points.round(9), axis=0)
     used = min(k, len(points) - 1)

@@ -4,16 +4,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.optimize import OptimizeResult, differential_evolution, dual_annealing
 
 from walklab.errors import InputError
 from walklab.planning.protocol import Planner, WalkBatch
 from walklab.steering.metrics import Metric
 from walklab.steering.space import ParameterSpace
 from walklab.steering.suitability import score_walks
+
+if TYPE_CHECKING:
+    from scipy.optimize import OptimizeResult
 
 Array = NDArray[np.float64]
 
@@ -82,6 +85,8 @@ def fit_static(
     InputError
         If the planner's parameters are not the space's, or the scores have another shape.
     """
+    from scipy.optimize import dual_annealing  # late: half a second of imports, which who only reads a fit need not pay
+
     if tuple(planner.parameters) != space.names:
         raise InputError(f"space: axes {', '.join(space.names)} are not the planner's parameters {', '.join(planner.parameters)}")
     if starts < 1 or maxfun < 1 or checks < 0:
@@ -120,6 +125,8 @@ def fit_static(
 
 
 def _evolved(mean_scores: Callable[[Array], Array], space: ParameterSpace, rng: np.random.Generator) -> OptimizeResult:
+    from scipy.optimize import differential_evolution
+
     return differential_evolution(
         mean_scores,
         space.bounds,
