@@ -11,7 +11,9 @@
 # make crate    pack it as a Workflow Run RO-Crate
 # make large    capture, maps and blending space of 50 000 walks
 # make sizing   what 10^3 to 10^7 walks cost, from the runs of make and make large
-# make manual   config/README.md   make lock   requirements.lock
+# make docs     the documentation as a site: build/site      make audit   known holes in locked packages
+# make container   the Containerfile, from the lock file
+# make manual   config/README.md, docs/data.md      make lock   the lock files
 # make clean    remove results and the environment
 
 PYTHON ?= python3
@@ -19,7 +21,7 @@ BIN := .venv/bin
 SNAKEMAKE := $(BIN)/snakemake
 export WALKLAB_DATA ?= ../shared/data
 
-.PHONY: all small resampled real own multiverse replicates recovery test test-all bench track crate large sizing lint manual lock clean
+.PHONY: all small resampled real own multiverse replicates recovery test test-all bench track crate large sizing lint manual docs audit container lock clean
 .DEFAULT_GOAL := all
 
 all: .venv/ready
@@ -56,10 +58,10 @@ multiverse: .venv/ready
 
 # One call, the longest files first: while a test of the DAG waits for a job, another worker uses the other core.
 test: .venv/ready .venv/tracking .venv/validator/ready
-	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples -n 2 --dist loadfile --no-loadscope-reorder -m "not slow"
+	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder -m "not slow"
 
 test-all: .venv/ready .venv/tracking .venv/validator/ready
-	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples -n 2 --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder
 
 bench: .venv/ready
 	$(BIN)/python benchmarks/run.py
@@ -87,9 +89,20 @@ lint: .venv/ready
 	$(BIN)/lint-imports
 	$(BIN)/python workflow/lint.py
 	$(BIN)/python workflow/manual.py --check
+	$(BIN)/python workflow/container.py --check
 
 manual: .venv/ready
 	$(BIN)/python workflow/manual.py
+
+docs: .venv/docs/ready
+	.venv/docs/bin/zensical build --strict
+
+# Asks a public service for advisories, so it needs the network; the packages are not installed for it.
+audit: .venv/docs/ready
+	.venv/docs/bin/pip-audit --strict --disable-pip --require-hashes -r requirements.lock
+
+container: .venv/ready
+	$(BIN)/python workflow/container.py
 
 # Needs uv. --no-emit-index-url keeps addresses of package registries out of the file.
 lock:
@@ -99,6 +112,8 @@ lock:
 	    --extra tracking -c requirements.lock pyproject.toml -o requirements-tracking.lock
 	printf '%s\n' rocrate roc-validator | uv pip compile --universal --generate-hashes --no-header --no-emit-index-url \
 	    --python-version 3.11 - -o tests/validator.lock
+	printf '%s\n' zensical pip-audit | uv pip compile --universal --generate-hashes --no-header --no-emit-index-url \
+	    --python-version 3.11 - -o docs/tools.lock
 
 clean:
 	rm -rf results .snakemake .venv .mypy_cache .ruff_cache .pytest_cache .import_linter_cache
@@ -112,6 +127,11 @@ clean:
 
 .venv/tracking: .venv/ready requirements-tracking.lock
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check --require-hashes -r requirements-tracking.lock
+	touch $@
+
+.venv/docs/ready: .venv/ready docs/tools.lock
+	$(PYTHON) -m venv .venv/docs
+	.venv/docs/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r docs/tools.lock
 	touch $@
 
 # The validator of RO-Crates wants older packages than Snakemake, so it lives by itself.

@@ -19,20 +19,41 @@ _IN_ROOM = pa.Check.in_range(-1000, 1000)
 
 PARTICIPANTS = pa.DataFrameSchema(
     {
-        "participant": pa.Column(str, unique=True),
-        "sex": pa.Column(str, pa.Check.isin(["female", "male"])),
-        "age_years": pa.Column(float, pa.Check.in_range(0, 120), **_NUMBER),
-        "height_m": pa.Column(float, pa.Check.in_range(0.5, 2.5), **_NUMBER),
-        "mass_kg": pa.Column(float, pa.Check.in_range(10, 300), **_NUMBER),
-        "torso_depth_m": pa.Column(float, pa.Check.in_range(0.05, 0.6), **_NUMBER),
-        "trait_.+": pa.Column(float, regex=True, required=False, **_NUMBER),
+        "participant": pa.Column(str, unique=True, description="who, as group_Pnn"),
+        "sex": pa.Column(str, pa.Check.isin(["female", "male"]), description="female or male, as the paper counts them"),
+        "age_years": pa.Column(float, pa.Check.in_range(0, 120), description="age", **_NUMBER),
+        "height_m": pa.Column(float, pa.Check.in_range(0.5, 2.5), description="body height", **_NUMBER),
+        "mass_kg": pa.Column(float, pa.Check.in_range(10, 300), description="body mass", **_NUMBER),
+        "torso_depth_m": pa.Column(
+            float, pa.Check.in_range(0.05, 0.6), description="from the belly to the middle of the body", **_NUMBER
+        ),
+        "trait_.+": pa.Column(
+            float,
+            regex=True,
+            required=False,
+            description="how this synthetic person walks; read by the generator alone",
+            **_NUMBER,
+        ),
     },
     strict=True,
 )
 
-_LABELS = {name: pa.Column(**_LABEL) for name in ("recording", "participant", "configuration", "scene")}
-_TIME = {"time_s": pa.Column(float, pa.Check.ge(0), **_NUMBER)}
-_PLACE = {name: pa.Column(float, _IN_ROOM, nullable=True, coerce=True) for name in ("x_m", "y_m")}
+_LABELS = {
+    name: pa.Column(**_LABEL, description=what)
+    for name, what in {
+        "recording": "name of the continuous recording",
+        "participant": "who was recorded",
+        "configuration": "what was walked",
+        "scene": "name of the plan view, or open for none",
+    }.items()
+}
+_TIME = {"time_s": pa.Column(float, pa.Check.ge(0), description="time from the start of the recording", **_NUMBER)}
+_PLACE = {
+    name: pa.Column(
+        float, _IN_ROOM, nullable=True, coerce=True, description="measured position on the floor; missing in a dropout"
+    )
+    for name in ("x_m", "y_m")
+}
 
 RECORDING = pa.DataFrameSchema(_LABELS | _TIME | _PLACE, strict=True, ordered=True)
 
@@ -40,21 +61,26 @@ POSES = pa.DataFrameSchema(
     _LABELS
     | _TIME
     | _PLACE
-    | {"z_m": pa.Column(float, _IN_ROOM, nullable=True, coerce=True)}
-    | {name: pa.Column(float, pa.Check.in_range(-1.01, 1.01), nullable=True, coerce=True) for name in ("qw", "qx", "qy", "qz")},
+    | {"z_m": pa.Column(float, _IN_ROOM, nullable=True, coerce=True, description="height of the controller above the floor")}
+    | {
+        name: pa.Column(
+            float, pa.Check.in_range(-1.01, 1.01), nullable=True, coerce=True, description="unit quaternion of the controller"
+        )
+        for name in ("qw", "qx", "qy", "qz")
+    },
     strict=True,
     ordered=True,
 )
 
 TRUTH = pa.DataFrameSchema(
     {
-        "recording": pa.Column(str),
-        "participant": pa.Column(str),
-        "configuration": pa.Column(str),
-        "toward": pa.Column(bool),
-        "start_s": pa.Column(float, pa.Check.ge(0), **_NUMBER),
-        "end_s": pa.Column(float, pa.Check.ge(0), **_NUMBER),
-        "flaw": pa.Column(str),
+        "recording": pa.Column(str, description="name of the recording"),
+        "participant": pa.Column(str, description="who walked"),
+        "configuration": pa.Column(str, description="what was walked"),
+        "toward": pa.Column(bool, description="to the target, not back"),
+        "start_s": pa.Column(float, pa.Check.ge(0), description="true begin of the movement", **_NUMBER),
+        "end_s": pa.Column(float, pa.Check.ge(0), description="true end of the movement", **_NUMBER),
+        "flaw": pa.Column(str, description="how the movement was spoilt on purpose; empty for none"),
     },
     strict=True,
     ordered=True,
@@ -62,12 +88,12 @@ TRUTH = pa.DataFrameSchema(
 
 TRAVEL_TIMES = pa.DataFrameSchema(
     {
-        "walk": pa.Column(str, unique=True),
-        "participant": pa.Column(str),
-        "height_m": pa.Column(float, pa.Check.in_range(0.5, 2.5), **_NUMBER),
-        "distance_m": pa.Column(float, pa.Check.gt(0), **_NUMBER),
-        "repetition": pa.Column(int, pa.Check.ge(0), coerce=True),
-        "travel_time_s": pa.Column(float, pa.Check.gt(0), **_NUMBER),
+        "walk": pa.Column(str, unique=True, description="name of the walk"),
+        "participant": pa.Column(str, description="who walked"),
+        "height_m": pa.Column(float, pa.Check.in_range(0.5, 2.5), description="body height", **_NUMBER),
+        "distance_m": pa.Column(float, pa.Check.gt(0), description="distance walked", **_NUMBER),
+        "repetition": pa.Column(int, pa.Check.ge(0), coerce=True, description="which of the repetitions"),
+        "travel_time_s": pa.Column(float, pa.Check.gt(0), description="counted in video frames", **_NUMBER),
     },
     strict=True,
     ordered=True,

@@ -18,28 +18,32 @@ Array = NDArray[np.float64]
 ACCEPTED = ""
 
 
-def _number(rule: pa.Check | None = None) -> pa.Column:
-    return pa.Column(float, rule, nullable=False, coerce=True)
+def _number(description: str, rule: pa.Check | None = None) -> pa.Column:
+    return pa.Column(float, rule, nullable=False, coerce=True, description=description)
+
+
+def _text(description: str, unique: bool = False) -> pa.Column:
+    return pa.Column(str, unique=unique, description=description)
 
 
 WALKS = pa.DataFrameSchema(
     {
-        "walk": pa.Column(str, unique=True),  # e.g. training/P03/straight_2.0/0004
-        "participant": pa.Column(str),
-        "scene": pa.Column(str),  # name of a scene file, or "open" for none
-        "configuration": pa.Column(str),  # e.g. straight_2.0, turn_90_3.0, rack_1-car
-        "start_s": _number(pa.Check.ge(0)),  # within the recording
-        "duration_s": _number(pa.Check.ge(0)),
-        "length_m": _number(pa.Check.in_range(0, 1000)),  # of the captured, smoothed path
-        "curvature_1_m": _number(pa.Check.ge(0)),  # of the captured, smoothed path
-        "height_m": _number(pa.Check.in_range(0.5, 2.5)),
-        "start_x_m": _number(),
-        "start_y_m": _number(),
-        "end_x_m": _number(),
-        "end_y_m": _number(),
-        "start_speed_m_s": _number(pa.Check.in_range(0, 12)),  # 0 for a standing start
-        "end_speed_m_s": _number(pa.Check.in_range(0, 12)),
-        "rejection": pa.Column(str),  # empty for an accepted walk, else the reason
+        "walk": _text("name of the walk, such as training/P03/straight_2.0/0004", unique=True),
+        "participant": _text("who walked"),
+        "scene": _text("name of the plan view, or open for none"),
+        "configuration": _text("what was walked, such as straight_2.0, turn_90_3.0 or rack_1-car"),
+        "start_s": _number("begin of the walk within its recording", pa.Check.ge(0)),
+        "duration_s": _number("last standing frame to first standing frame", pa.Check.ge(0)),
+        "length_m": _number("length of the captured, smoothed path", pa.Check.in_range(0, 1000)),
+        "curvature_1_m": _number("mean curvature of the captured, smoothed path", pa.Check.ge(0)),
+        "height_m": _number("body height", pa.Check.in_range(0.5, 2.5)),
+        "start_x_m": _number("where the walk starts"),
+        "start_y_m": _number("where the walk starts"),
+        "end_x_m": _number("where the walk ends"),
+        "end_y_m": _number("where the walk ends"),
+        "start_speed_m_s": _number("0 for a standing start", pa.Check.in_range(0, 12)),
+        "end_speed_m_s": _number("0 for a standing end", pa.Check.in_range(0, 12)),
+        "rejection": _text("empty for an accepted walk, else why it was left out"),
     },
     strict=True,
     ordered=True,
@@ -47,10 +51,10 @@ WALKS = pa.DataFrameSchema(
 
 SAMPLES = pa.DataFrameSchema(
     {
-        "walk": pa.Column(str),
-        "time_s": _number(pa.Check.ge(0)),  # from the start of the walk
-        "x_m": _number(pa.Check.in_range(-1000, 1000)),
-        "y_m": _number(pa.Check.in_range(-1000, 1000)),
+        "walk": _text("name of the walk"),
+        "time_s": _number("time from the start of the walk", pa.Check.ge(0)),
+        "x_m": _number("smoothed position of the centre of mass on the floor", pa.Check.in_range(-1000, 1000)),
+        "y_m": _number("smoothed position of the centre of mass on the floor", pa.Check.in_range(-1000, 1000)),
     },
     strict=True,
     ordered=True,
