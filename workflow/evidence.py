@@ -11,6 +11,16 @@ import pandas as pd
 
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs/evidence.md"
+READINGS = (
+    "uniform",
+    "P_Prob (literal)",
+    "P_Prob (calibrated)",
+    "P_Prob (exponent nearest to the truth)",
+    "P_Prob, sharpened before blending",
+    "true parameters of the neighbours",
+    "perfect sample",
+)
+MEASURES = ("ks", "bias", "spread")
 MODELS = ("P_Prob (calibrated)", "P_Prob (extended)", "P_Prob (extended), earlier walks")
 
 
@@ -76,32 +86,30 @@ def replicated_claims(folder):
 
 
 def recovery(folder):
-    """Distances from the known distribution, by reading, number of walks and resolution; means over tasks."""
+    """Energy distance of all parameters from the known distribution, by number of walks, resolution and reading."""
     table = pd.read_csv(folder / "recovery.csv")
-    table = table[table["measure"].isin(["ks", "energy"])]
-    order = list(dict.fromkeys(table["model"]))
-    means = table.groupby(["walks", "resolution", "model", "parameter"])["value"].mean().unstack("parameter")
-    names = [*(name for name in dict.fromkeys(table["parameter"]) if name != "all"), "all"]
-    rows = [
-        [f"{walks}", f"{resolution}", model, *(f"{means.loc[(walks, resolution, model), name]:.2f}" for name in names)]
-        for walks, resolution in dict.fromkeys(table[["walks", "resolution"]].itertuples(index=False, name=None))
-        for model in order
-    ]
-    header = [f"KS, {name}" for name in names[:-1]]
-    return markdown(["walks", "values per parameter", "reading", *header, "energy distance (sd)"], rows)
+    table = table[table["measure"] == "energy"]
+    order = [name for name in READINGS if name in set(table["model"])]
+    means = table.groupby(["walks", "resolution", "model"])["value"].mean().unstack("model").sort_index()
+    rows = [[f"{walks}", f"{values}", *(f"{row[name]:.2f}" for name in order)] for (walks, values), row in means.iterrows()]
+    return "Energy distance (true sd):\n\n" + markdown(["walks", "values per parameter", *order], rows)
 
 
 def recovery_by_task(folder):
-    """KS distances task by task on the case in which both series meet."""
+    """KS distance, bias and spread task by task on the case in which both series meet."""
     table = pd.read_csv(folder / "recovery.csv")
     cases = table.drop_duplicates(["walks", "resolution"])
     walks, resolution = cases["walks"].mode()[0], cases["resolution"].mode()[0]
-    chosen = table[(table["walks"] == walks) & (table["resolution"] == resolution) & (table["measure"] == "ks")]
-    means = chosen.groupby(["task", "model", "parameter"], sort=False)["value"].mean().unstack("parameter")
     kept = ("P_Prob (calibrated)", "P_Prob, sharpened before blending")
-    rows = [[task, model, *(f"{value:.2f}" for value in row)] for (task, model), row in means.iterrows() if model in kept]
-    caption = f"{walks} walks, {resolution} values of each parameter:\n\n"
-    return caption + markdown(["task", "reading", *(f"KS, {name}" for name in means)], rows)
+    chosen = table[(table["walks"] == walks) & (table["resolution"] == resolution) & table["model"].isin(kept)]
+    means = chosen.groupby(["task", "model", "measure", "parameter"], sort=False)["value"].mean()
+    names = [name for name in dict.fromkeys(table["parameter"]) if name != "all"]
+    rows = [
+        [task, model, *("{:.2f} ({:+.1f}, {:.1f})".format(*(means[task, model, m, name] for m in MEASURES)) for name in names)]
+        for task, model in dict.fromkeys(means.index.droplevel([2, 3]))
+    ]
+    caption = f"{walks} walks, {resolution} values of each parameter; KS distance (bias in true sd, spread over true spread):\n\n"
+    return caption + markdown(["task", "reading", *names], rows)
 
 
 TABLES = {

@@ -18,6 +18,7 @@ from walklab.planning.protocol import Planner
 from walklab.randomness import generator
 from walklab.steering.models import ProbabilisticModel
 from walklab.steering.routes import pack
+from walklab.steering.sharpness import cell_volumes
 from walklab.steering.space import Axis, ParameterSpace
 from walklab.steering.suitability import score_walks
 from walklab.steering.training import TrainingSettings, train
@@ -132,11 +133,13 @@ def draws_of(
 
 
 def best_cells(scores: Array, space: ParameterSpace, rng: np.random.Generator) -> Array:
-    """A point in the best cell of each map, (W, P): any of the best where several tie, anywhere in the cell."""
+    """A point in the best cell of each map, (W, P): uniform over it, or over all of the best where several tie."""
     ties = scores <= scores.min(axis=1, keepdims=True) + TIE_S
-    cells = np.argmax(rng.random(scores.shape) * ties, axis=1)
-    steps = space.to_unit(space.cells[cells]) + rng.uniform(-0.5, 0.5, (len(scores), len(space.names)))
-    return space.from_unit(np.clip(steps, 0, np.array(space.shape) - 1.0))
+    # Of exponential times with rates in proportion to the volumes the first is any cell's with the share of its volume.
+    cells = np.where(ties, rng.standard_exponential(scores.shape) / cell_volumes(space), np.inf).argmin(axis=1)
+    steps = space.to_unit(space.cells[cells])
+    low, high = np.maximum(steps - 0.5, 0), np.minimum(steps + 0.5, np.array(space.shape) - 1.0)
+    return space.from_unit(rng.uniform(low, high))
 
 
 def compare(
