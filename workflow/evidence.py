@@ -1,4 +1,4 @@
-"""Print the tables of docs/evidence.md from the results of `make replicates` and `make recovery`; --write puts them there.
+"""Print the tables of docs/evidence.md from what `make replicates`, `recovery` and `multiverse` left; --write puts them there.
 
 The tables stand between the markers `<!-- name -->` and `<!-- /name -->`; the words around them are written by hand.
 """
@@ -112,7 +112,66 @@ def recovery_by_task(folder):
     return caption + markdown(["task", "reading", *names], rows)
 
 
+def effects_of(claims):
+    """The main effects of the multiverse in the order of its figure: claim -> rows."""
+    names = [name for name in dict.fromkeys(claims["claim"]) if name.startswith(("median_reduction_", "crps_reduction_"))]
+    return {name: claims[claims["claim"] == name] for name in names}
+
+
+def multiverse(folder):
+    """The main effects: by default, how often they are above zero, and how far they go."""
+    claims, table = pd.read_csv(folder / "claims.csv"), pd.read_csv(folder / "specifications.csv")
+    kinds = {"choice": "other readings", "constant": "ends of constants", "combination": "combinations"}
+    rows = []
+    for name, found in effects_of(claims).items():
+        own = found[found["kind"] == "default"].iloc[0]
+        counts = [found.loc[found["kind"] == kind, "held"] for kind in kinds]
+        low, middle, high = found["ours"].quantile([0, 0.5, 1])
+        default = f"{own['ours']:.2f} [{own['ours_low']:.2f}, {own['ours_high']:.2f}]"
+        words = name.replace("_reduction", "").replace("_", " ")
+        rows.append(
+            [words, default, *(f"{int(held.sum())} of {len(held)}" for held in counts), f"{low:.2f}, {middle:.2f}, {high:.2f}"]
+        )
+    walks = table.loc[table["specification"] == "default", [name for name in table if name.startswith("walks_")]].iloc[0]
+    sizes = ", ".join(f"{int(count)} {name.removeprefix('walks_').replace('_', ' ')}" for name, count in walks.items())
+    lost = table[table["outcome"] != "ran"]
+    caption = f"{len(table)} specifications, {len(lost)} of which could not be run; walks by default: {sizes}.\n\n"
+    header = ["relative reduction", "default", *(f"above 0, {words}" for words in kinds.values()), "smallest, median, largest"]
+    return caption + markdown(header, rows)
+
+
+def multiverse_turns(folder):
+    """Which single changes turn the sign of a main effect."""
+    rows = []
+    for name, found in effects_of(pd.read_csv(folder / "claims.csv")).items():
+        own = found.loc[found["kind"] == "default", "held"].iloc[0]
+        single = found[found["kind"].isin(["choice", "constant"]) & (found["held"] != own)]
+        turns = [f"{row['specification']} ({row['ours']:.2f})" for _, row in single.iterrows()]
+        rows.append(
+            [name.replace("_reduction", "").replace("_", " "), "above 0" if own else "not above 0", ", ".join(turns) or "none"]
+        )
+    return markdown(["effect", "by default", "turned by (to)"], rows)
+
+
+def multiverse_claims(folder):
+    """How robust each claim of the paper is: the share of the specifications in which its direction holds."""
+    table = pd.read_csv(folder / "summary.csv")
+    share = table["held_share"]
+    groups = {
+        "in all": share == 1,
+        "in at least nine of ten": (share >= 0.9) & (share < 1),
+        "in half to nine of ten": (share >= 0.5) & (share < 0.9),
+        "in some, less than half": (share > 0) & (share < 0.5),
+        "in none": share == 0,
+    }
+    rows = [[name, str(int(found.sum())), ", ".join(table.loc[found, "claim"]) or "-"] for name, found in groups.items()]
+    return markdown(["holds", "claims", "which"], rows)
+
+
 TABLES = {
+    "multiverse": (multiverse, "multiverse"),
+    "multiverse_turns": (multiverse_turns, "multiverse"),
+    "multiverse_claims": (multiverse_claims, "multiverse"),
     "replicated_scores": (replicated_scores, "replicates"),
     "replicated_differences": (replicated_differences, "replicates"),
     "replicated_claims": (replicated_claims, "replicates"),
