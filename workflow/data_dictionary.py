@@ -40,6 +40,9 @@ OTHERS = """## Other products
 | `simulate_trials/<scenario>/trials.parquet` | a row per walk and model: drawn parameters, signed and absolute travel-time error (s), arrival, trajectory error (m), `inside_hull` |
 | `results/<run>/claims.csv` | a row per claim: id, section, statement, published, ours, `ours_low` and `ours_high` (95 %), verdict, note |
 | `results/<run>/scores.csv` | proper scores per forecast, scenario and part of the training range (`hull`): CRPS (s), energy score (m), coverage, bias (s), each with a 95 % interval |
+| `results/replicates/claims.csv` | a row per claim: in how many populations it was checkable (`replicates`), reproduced, and its direction held, each with the ends of the share's Wilson interval; median and range of ours |
+| `results/replicates/scores.csv` | a row per scenario, hull, measure and forecast: mean over populations (`value`), 95 % interval, sd, `below_zero` (populations in which it is negative); `crps_difference_s` is the CRPS (s) of `model` minus that of `against` |
+| `results/recovery/recovery.csv` | a row per number of walks, resolution, repetition, task, reading of the maps, measure (`ks`, `bias`, `spread`, `energy`) and parameter |
 | `results/<run>/run.json` | the record of the run: see [runs](runs.md) |
 """
 

@@ -13,7 +13,6 @@ rule recover_distribution:
         first(stage("recover_distribution", "log.txt")),
     benchmark:
         first(stage("recover_distribution", "benchmark.tsv"))
-    threads: 2
     params:
         **TRIALS,
         **section(
