@@ -13,6 +13,7 @@ SECONDS_PER_RUN = 150.0
 SECONDS_PER_TRAINING_WALK = 0.02
 SECONDS_PER_CELL_SCORE = 6e-6
 SECONDS_PER_TRIAL = 0.004
+SHARE_OF_POPULATION = 0.7  # of a run's jobs, what one of many populations takes: no figures, no ablations
 BYTES_PER_RUN = 15e6
 BYTES_PER_TRAINING_WALK = 60_000
 BYTES_PER_SCENARIO_WALK = 12_000
@@ -39,6 +40,8 @@ def estimate(config: Mapping[str, Any], walks_per_set: int, cores: int) -> str:
     variants = 3 + 6 + len(config["sweep_neighbours"]["k"])
     seconds = config["replicates"] * SECONDS_PER_RUN + scenario * variants * SECONDS_PER_TRIAL
     seconds += training * (SECONDS_PER_TRAINING_WALK + cells * SECONDS_PER_CELL_SCORE)
+    if config["replicates"] > 1:
+        seconds *= SHARE_OF_POPULATION
     disk = BYTES_PER_RUN + training * BYTES_PER_TRAINING_WALK + scenario * BYTES_PER_SCENARIO_WALK
     disk += maps * cells * BYTES_PER_MAP_CELL
     return (

@@ -29,3 +29,8 @@ def test_own_walks_are_not_announced_as_the_papers():
 def test_more_cores_take_less_time():
     minutes = [int(estimate(CONFIG, 17, cores).split("about ")[1].split(" min")[0]) for cores in (1, 2)]
     assert minutes[0] > minutes[1]
+
+
+def test_many_populations_take_longer_but_each_less_than_a_whole_study():
+    minutes = [int(estimate(CONFIG | {"replicates": count}, 17, 1).split("about ")[1].split(" min")[0]) for count in (1, 20)]
+    assert 10 * minutes[0] < minutes[1] < 20 * minutes[0]
