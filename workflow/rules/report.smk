@@ -1,24 +1,24 @@
 """The report worth sending: one page and one PDF, of whatever the run has made."""
 
 RESULTS = STEERING if SYNTHETIC else REAL
-# Tables of the page: name -> (file, title).
-REPORT_TABLES = (
-    {
-        **{name: (file, TABLE_TITLES[name]) for name, file in TABLES.items()},
-        "classes": (
-            first(rules.count_distances.output.classes),
-            "Planned distances by class",
-        ),
-    }
-    if SYNTHETIC
-    else {
-        "summary": (
-            f"{RUN}/summary.csv",
-            "Scores in which every participant counts once",
-        ),
-        "scores": (f"{RUN}/scores.csv", "Scores of every participant"),
-    }
-)
+# Tables of the page, name -> (file, title): those with a page of their own, and every table of results.
+REPORT_TABLES = {
+    **{
+        Path(file).stem: (file, Path(file).stem.replace("_", " ").capitalize())
+        for file in RESULTS
+        if file.endswith(".csv")
+    },
+    **(
+        {name: (file, TABLE_TITLES[name]) for name, file in TABLES.items()}
+        if SYNTHETIC
+        else {}
+    ),
+    **(
+        {"classes": (first(rules.count_distances.output.classes), "Planned distances")}
+        if SYNTHETIC
+        else {}
+    ),
+}
 _SCENES = {
     "walks": SCENARIO_FILES["walks"],
     "samples": SCENARIO_FILES["samples"],

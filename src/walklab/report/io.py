@@ -24,7 +24,7 @@ def read_caption(path: str | Path) -> tuple[str, str]:
         source = Path(path).read_text()
     except OSError as error:
         raise InputError(f"{path}: no such caption; write one, as for the other figures") from error
-    body = publish_parts(source, writer_name="html5", settings_overrides=RST)["body"].strip()
+    body = publish_parts(source, writer="html5", settings_overrides=RST)["body"].strip()
     inner = re.sub(r"^<p>|</p>$", "", body)
     return inner, " ".join(unescape(re.sub(r"<[^>]+>", "", inner)).split())
 

@@ -27,8 +27,10 @@ from walklab.report.tables import Table, descriptions, medians, table_of, verdic
 
 STYLES = ("style.css", "widgets.css", "print.css")
 SCRIPTS = ("theme.js", "tables.js", "drawing.js", "maps.js", "walks.js")
+ALWAYS = {"question", "record"}  # sections that every run has
 LONG_TABLE = 12  # rows; a longer or wider table is folded away until it is asked for
 WIDE_TABLE = 10  # columns
+LONGEST_TABLE = 300  # rows; nobody reads more, and its file is named
 
 
 @cache
@@ -78,13 +80,14 @@ def render(contents: Contents) -> str:
             synthetic=kind in ("synthetic", "resampled"),
             resampled=kind == "resampled",
             paper=contents.paper,
-            sections=[_section(section, contents) for section in SECTIONS],
+            sections=[found for section in SECTIONS if (found := _section(section, contents))["present"]],
             present=set(frames) | set(contents.figures),
             medians=medians(descriptions(frames), contents.paper) if contents.paper else [],
             verdicts=verdict_counts(frames.get("claims"), list(VERDICTS)),
             marks=VERDICT_MARKS,
             long_table=LONG_TABLE,
             wide_table=WIDE_TABLE,
+            longest_table=LONGEST_TABLE,
             data={
                 "maps": contents.maps,
                 "scenes": contents.scenes,
@@ -106,20 +109,24 @@ def _section(section: Section, contents: Contents) -> dict[str, Any]:
     """A section with what the run has of it."""
     frames, config = contents.frames, contents.record["config"]
     shown = placed({name: figure.category for name, figure in contents.figures.items()})[section.key]
+    figures = [
+        {
+            "figure": contents.figures[name],
+            "title": figure_title(name),
+            "comparisons": beside_figure(name, contents.paper, frames, config) if contents.paper else [],
+        }
+        for name in shown
+    ]
+    tables = [_table(name, contents) for name in tables_of(section, list(contents.tables))]
+    interactive = {"maps": contents.maps, "walks": contents.scenes}.get(section.interactive)
     return {
         "key": section.key,
         "title": section.title,
         "interactive": section.interactive,
-        "figures": [
-            {
-                "figure": contents.figures[name],
-                "title": figure_title(name),
-                "comparisons": beside_figure(name, contents.paper, frames, config) if contents.paper else [],
-            }
-            for name in shown
-        ],
-        "tables": [_table(name, contents) for name in tables_of(section, list(contents.tables))],
+        "figures": figures,
+        "tables": tables,
         "all_claims": claimed(frames.get("claims"), ("",)) if section.key == "verdicts" else [],
+        "present": bool(section.key in ALWAYS or figures or tables or interactive),
     }
 
 

@@ -27,7 +27,7 @@ from walklab.report.tables import Table, descriptions, medians, table_of, verdic
 
 MARGIN = 15 * mm
 FRAME_WIDTH, FIGURE_HEIGHT = A4[0] - 2 * MARGIN, 210 * mm
-MOST_COLUMNS = 10  # wider tables stay in the page and in their files
+MOST_COLUMNS, MOST_ROWS = 10, 120  # larger tables stay in the page and in their files
 FACES = {"": "DejaVuSans", "-Bold": "DejaVuSans-Bold"}  # they ship with matplotlib and have every sign that is needed
 LINE, HEAD = HexColor("#b0b7be"), HexColor("#eef1f4")
 
@@ -157,8 +157,8 @@ def _table(table: Table) -> list[Flowable]:
         head = [table.headings[0], *(row[0].text for row in table.rows)]
         turned = [[name, *(row[at].text for row in table.rows)] for at, name in enumerate(table.headings) if at > 0]
         return [title, _grid(head, turned, set(range(1, len(head)))), Spacer(0, 8)]
-    if len(table.headings) > MOST_COLUMNS:
-        return [title, _paragraph(f"{len(table.headings)} columns: in the report's page and in {table.file}.", 7.5)]
+    if len(table.headings) > MOST_COLUMNS or len(table.rows) > MOST_ROWS:
+        return [title, _paragraph(f"{len(table.rows)} rows of {len(table.headings)} columns, in {table.file}.", 7.5)]
     numbers = {at for at in range(len(table.headings)) if any(row[at].kind == "number" for row in table.rows)}
     return [title, _grid(table.headings, [[cell.text for cell in row] for row in table.rows], numbers), Spacer(0, 8)]
 

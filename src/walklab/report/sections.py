@@ -1,7 +1,7 @@
 """What the report tells, in the order of the paper: its sections, and which figures, tables and claims belong to each.
 
 A figure is declared where it is drawn (``figure(name, category, caption)`` in ``workflow/rules/``). Its category puts it into a
-section; one that no section names ends up under "More figures". What a run did not make is left out.
+section; one that no section names ends up under "More". What a run did not make is left out.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Section:
 
 SECTIONS = (
     Section("question", "The question"),
-    Section("capture", "Capture", ("fig03", "fig04"), ("Setting", "Capture"), ("capture", "rejections", "realism")),
+    Section("capture", "Capture", ("fig03", "fig04"), ("Setting", "Capture"), ("capture", "rejections", "classes", "realism")),
     Section("maps", "Suitability maps", ("fig05",)),
     Section("space", "Blending space", ("fig06", "dependency_clouds"), (), ("density",)),
     Section("model", "Run-time model", ("fig08", "fig09"), ("Model",), ("optimum",), interactive="maps"),
@@ -47,9 +47,9 @@ SECTIONS = (
         "Forecasts and calibration",
         ("scores", "calibration", "pit"),
         ("Evaluation",),
-        ("scores", "sharpness", "tests", "summary"),
+        ("scores", "calibration", "sharpness", "tests", "summary"),
     ),
-    Section("more", "More figures"),
+    Section("more", "More results"),
     Section("inconsistencies", "Inconsistencies of the paper", tables=("inconsistencies",)),
     Section("assumptions", "Assumptions", tables=("assumptions",)),
     Section("record", "How this run was made"),
@@ -95,13 +95,18 @@ def placed(found: dict[str, str]) -> dict[str, list[str]]:
 
 
 def tables_of(section: Section, found: list[str]) -> list[str]:
-    """The section's tables, of those that a run has."""
-    return [
-        name
-        for wanted in section.tables
-        for name in found
-        if name == wanted or (wanted.endswith("_") and name.startswith(wanted))
-    ]
+    """The section's tables, of those that a run has; the last resort has those that no section names."""
+    if section.key == "more":
+        return [name for name in found if not any(_wants(other, name) for other in SECTIONS)]
+    return [name for wanted in section.tables for name in found if _matches(wanted, name)]
+
+
+def _wants(section: Section, name: str) -> bool:
+    return any(_matches(wanted, name) for wanted in section.tables)
+
+
+def _matches(wanted: str, name: str) -> bool:
+    return name == wanted or (wanted.endswith("_") and name.startswith(wanted))
 
 
 def figure_title(name: str) -> str:

@@ -52,17 +52,22 @@ function modelName(name) {
   return found ? ["P", element("sub", {}, found[1]), found[2]] : [name];
 }
 
+let sliders = 0;
+
 // A labelled slider; `text` says what a position means. Arrow keys, Home and End come with the element.
 function slider(label, count, start, text, changed) {
-  const output = element("output", {}, text(start));
-  const input = element("input", { type: "range", min: "0", max: String(count - 1), step: "1", value: String(start) });
+  sliders += 1;
+  const id = "slider-" + sliders;
+  const output = element("output", { for: id }, text(start));
+  const input = element("input", { id, type: "range", min: "0", max: String(count - 1), step: "1", value: String(start) });
   input.setAttribute("aria-valuetext", text(start));
   input.addEventListener("input", () => {
     output.textContent = text(Number(input.value));
     input.setAttribute("aria-valuetext", text(Number(input.value)));
     changed(Number(input.value));
   });
-  return element("label", { class: "wide" }, element("span", {}, label + " ", output), input);
+  // The label points at the slider: an output inside of it would take it for itself.
+  return element("div", { class: "wide" }, element("label", { for: id }, label), " ", output, input);
 }
 
 function chooser(label, options, changed) {

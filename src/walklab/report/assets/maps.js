@@ -1,5 +1,5 @@
 // The blended maps: sliders choose a point of the lattice, a cube and three projections show its map and draws.
-const CUBE = { width: 520, height: 480, size: 118, distance: 5 };
+const CUBE = { width: 520, height: 480, size: 122, distance: 5 };
 
 function startMaps() {
   const data = DATA.maps, view = document.getElementById("maps-view");
@@ -93,7 +93,7 @@ function projected(share, state) {
   const across = x * cos - y * sin, deep = x * sin + y * cos;
   const near = deep * up - z * over, high = deep * over + z * up;
   const zoom = CUBE.distance / (CUBE.distance + near);
-  return { x: CUBE.width / 2 + 12 + across * CUBE.size * zoom, y: CUBE.height / 2 + 2 - high * CUBE.size * zoom, near, zoom };
+  return { x: CUBE.width / 2 + 18 + across * CUBE.size * zoom, y: CUBE.height / 2 - 6 - high * CUBE.size * zoom, near, zoom };
 }
 
 function drawCube(canvas, data, cells, now, state) {
@@ -162,7 +162,10 @@ function drawFrame(pen, data, state) {
   pen.fillStyle = INK;
   pen.textAlign = "center";
   pen.textBaseline = "middle";
-  const label = (text, at) => { const p = projected(at, state); pen.fillText(text, p.x, p.y); };
+  const label = (text, at) => {
+    const p = projected(at, state), half = pen.measureText(text).width / 2 + 3;
+    pen.fillText(text, Math.min(Math.max(p.x, half), CUBE.width - half), p.y);
+  };
   const axes = [
     { name: (s) => [s, out(y), 0], ends: (s) => [s, y === 1 ? 1.1 : -0.1, 0] },
     { name: (s) => [out(x), s, 0], ends: (s) => [x === 1 ? 1.1 : -0.1, s, 0] },
