@@ -39,7 +39,7 @@ rule check_claims:
 
 rule compare_verdicts:
     input:
-        claims=rules.check_claims.output.claims,
+        claims=first(rules.check_claims.output.claims),
         other=CONFIG["compare_verdicts"]["other"] or [],
     output:
         verdicts=report(
