@@ -90,6 +90,8 @@ def check(run: Run) -> None:
     found = inspect(run)
     for damage in found.damaged:
         typer.echo(f"{damage.path}: {damage.reason}")
+    if found.missing:
+        typer.echo(f"{len(found.missing)} products are not there (temporary, or removed); Snakemake makes what it needs again")
     for path in found.half_written:
         typer.echo(f"{path}: left by a job that was killed; the next one that writes this file removes it")
     for path in date_back(run):

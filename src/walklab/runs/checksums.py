@@ -31,10 +31,19 @@ class Damage:
 
 @dataclass(frozen=True)
 class Inspection:
-    """What :func:`inspect` found in a run's folder."""
+    """What :func:`inspect` found in a run's folder.
+
+    Attributes
+    ----------
+    checked : products that are there
+    damaged : those that are not what was written
+    missing : products that are gone, as temporary ones are; Snakemake makes what it needs again
+    half_written : files that killed writers left behind
+    """
 
     checked: int
     damaged: tuple[Damage, ...]
+    missing: tuple[str, ...]
     half_written: tuple[str, ...]
 
 
@@ -74,9 +83,11 @@ def inspect(run: str | Path) -> Inspection:
     entries = [
         (os.path.normpath(manifest.parent / name), expected) for manifest in manifests for name, expected in _lines(manifest)
     ]
-    damaged = [Damage(path, reason) for path, expected in entries if (reason := _reason(Path(path), expected))]
+    there = [(path, expected) for path, expected in entries if Path(path).is_file()]
+    damaged = [Damage(path, reason) for path, expected in there if (reason := _reason(Path(path), expected))]
+    missing = [path for path, _ in entries if not Path(path).is_file()]
     half_written = [str(path) for path in sorted(Path(run).rglob(".*")) if path.is_file()]
-    return Inspection(len(entries), tuple(damaged), tuple(half_written))
+    return Inspection(len(there), tuple(damaged), tuple(missing), tuple(half_written))
 
 
 def date_back(run: str | Path, now_s: float | None = None) -> list[str]:

@@ -25,7 +25,7 @@ def run(tmp_path):
 def test_whole_files_pass(run):
     checksums.verify([run / "0/score_maps/1/maps.nc", run / "claims.csv"])
     found = checksums.inspect(run)
-    assert (found.checked, found.damaged, found.half_written) == (2, (), ())
+    assert (found.checked, found.damaged, found.missing, found.half_written) == (2, (), (), ())
 
 
 @pytest.mark.parametrize("name", ["0/score_maps/1/maps.nc", "claims.csv"])
@@ -68,7 +68,8 @@ def test_a_missing_product_and_a_half_written_file_are_reported(run):
     (run / "claims.csv").unlink()
     (run / ".claims.a1b2c3d4.csv").write_text("half")
     found = checksums.inspect(run)
-    assert [damage.reason for damage in found.damaged] == ["missing"]
+    assert found.missing == (str(run / "claims.csv"),)
+    assert (found.checked, found.damaged) == (1, ())
     assert found.half_written == (str(run / ".claims.a1b2c3d4.csv"),)
 
 

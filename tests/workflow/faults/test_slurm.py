@@ -1,0 +1,111 @@
+"""The study on a real Slurm, a cluster of one node on this machine: same files, whatever happens to its jobs."""
+
+import os
+import shutil
+import socket
+import subprocess
+from pathlib import Path
+
+import pytest
+
+pytestmark = pytest.mark.workflow
+
+SCRIPT = Path(__file__).parents[1] / "slurm_one_node.sh"
+PROGRAMS = ("slurmctld", "slurmd", "sbatch", "srun", "squeue", "scancel", "scontrol", "munged")
+# The node promises twice the machine's two cores: the jobs are short and mostly start up.
+CPUS = 4
+ON_CLUSTER = (
+    *("--workflow-profile", "profiles/slurm", "--slurm-no-account", "--slurm-status-command", "squeue"),
+    *("--jobs", "8", "--cores", "2", "--latency-wait", "10"),
+    *("--slurm-init-seconds-before-status-checks", "1", "--seconds-between-status-checks", "1"),
+)
+
+
+def reason_against_a_cluster():
+    """Why no cluster can be started here; empty if it can."""
+    missing = [name for name in PROGRAMS if shutil.which(name) is None]
+    if os.geteuid() != 0:
+        return "a cluster of one node can only be started by root"
+    if missing:
+        return f"no {', '.join(missing)}: apt-get install slurmctld slurmd slurm-client munge"
+    if os.path.lexists("/etc/slurm/slurm.conf"):
+        return "/etc/slurm/slurm.conf exists: this machine has a cluster already"
+    return ""
+
+
+@pytest.fixture(scope="module")
+def cluster(tmp_path_factory):
+    """A cluster of one node, empty queue, stopped at the end."""
+    if reason := reason_against_a_cluster():
+        print(f"skipped: {reason}")
+        pytest.skip(reason)
+    folder = tmp_path_factory.mktemp("cluster")
+    subprocess.run([SCRIPT, "start", folder, str(CPUS)], check=True, timeout=120)
+    yield folder
+    subprocess.run([SCRIPT, "stop", folder], check=True, timeout=120)
+
+
+def slurm(*command):
+    return subprocess.run(command, capture_output=True, text=True, check=True, timeout=60).stdout
+
+
+def running():
+    """Numbers of the jobs that compute."""
+    return slurm("squeue", "--noheader", "--states=RUNNING", "--format=%A").split()
+
+
+def submitted(output):
+    return sum(" submitted with SLURM jobid" in line for line in output.splitlines())
+
+
+def finish(process):
+    """What a run printed; a queue takes its time."""
+    output, _ = process.communicate(timeout=3000)
+    assert process.returncode == 0, output[-6000:]
+    return output
+
+
+def test_the_tiny_study_on_a_cluster_gives_the_local_files(cluster, study, tally):
+    with tally.attempt("Slurm instead of this machine"):
+        output = finish(study.project.start(*ON_CLUSTER, *study.arguments[2:]))
+        assert submitted(output) >= 5, output[-4000:]
+        study.assert_undisturbed()
+
+
+@pytest.mark.slow
+def test_the_small_study_with_two_replicates_on_a_cluster_gives_the_local_files(cluster, project):
+    small = ("--configfile", "config/small.yaml", "--config", "replicates=2")
+    finish(project.start(*ON_CLUSTER, *small))
+    on_cluster = project.checksums("small")
+    shutil.rmtree(project.folder / "results")
+    shutil.rmtree(project.folder / ".snakemake")
+    finish(project.start("--cores", "2", *small))
+    assert any(name.startswith("1/") for name in on_cluster)
+    assert on_cluster == project.checksums("small")
+
+
+@pytest.mark.slow
+def test_a_cancelled_job_is_submitted_again(cluster, study, wait_until, tally):
+    with tally.attempt("scancel"):
+        process = study.project.start(*ON_CLUSTER, *study.arguments[2:])
+        assert wait_until(lambda: study.finished_jobs() >= 1 and running())
+        slurm("scancel", *running())
+        finish(process)
+        study.assert_undisturbed()
+
+
+@pytest.mark.slow
+def test_a_drained_node_finishes_its_jobs_and_the_rest_waits_for_it(cluster, study, wait_until, tally):
+    node = f"nodename={socket.gethostname().split('.')[0]}"
+    with tally.attempt("node drained and resumed"):
+        process = study.project.start(*ON_CLUSTER, *study.arguments[2:])
+        assert wait_until(lambda: bool(running()))
+        slurm("scontrol", "update", node, "state=drain", "reason=test")
+        try:
+            # What ran ends, what follows is submitted and waits.
+            assert wait_until(lambda: not running() and slurm("squeue", "--noheader", "--states=PENDING"))
+            assert process.poll() is None
+        finally:
+            slurm("scontrol", "update", node, "state=resume")
+        finish(process)
+        study.assert_undisturbed()
