@@ -77,6 +77,11 @@ start() {
 
 stop() {
     scancel --user="$(id -un)" 2>/dev/null || true
+    # Without the daemons nobody would end the jobs' processes.
+    for _ in $(seq 100); do
+        if [ -z "$(squeue --noheader 2>/dev/null)" ]; then break; fi
+        sleep 0.1
+    done
     for name in slurmd.pid slurmctld.pid munge/pid; do
         if [ -f "$folder/$name" ]; then kill "$(cat "$folder/$name")" 2>/dev/null || true; fi
     done
