@@ -63,7 +63,7 @@ def verify(inputs: Iterable[str | Path]) -> None:
     """
     for path in map(Path, inputs):
         expected = _recorded(path)
-        if expected is not None and (reason := _reason(path, expected)):
+        if expected and (reason := _reason(path, expected)):
             raise InputError(
                 f"{path}: damaged ({reason}); rebuild it: snakemake --forcerun {path} (and the --configfile of this run)"
             )
@@ -80,12 +80,13 @@ def inspect(run: str | Path) -> Inspection:
     manifests = sorted(Path(run).rglob(MANIFEST))
     if not manifests:
         raise InputError(f"{run}: no {MANIFEST} in it; give the folder of a run, as results/steering")
-    entries = [
-        (os.path.normpath(manifest.parent / name), expected) for manifest in manifests for name, expected in _lines(manifest)
-    ]
-    there = [(path, expected) for path, expected in entries if Path(path).is_file()]
+    entries: dict[str, set[str]] = {}
+    for manifest in manifests:
+        for name, expected in _lines(manifest):
+            entries.setdefault(os.path.normpath(manifest.parent / name), set()).add(expected)
+    there = [(path, expected) for path, expected in entries.items() if Path(path).is_file()]
     damaged = [Damage(path, reason) for path, expected in there if (reason := _reason(Path(path), expected))]
-    missing = [path for path, _ in entries if not Path(path).is_file()]
+    missing = [path for path in entries if not Path(path).is_file()]
     half_written = [str(path) for path in sorted(Path(run).rglob(".*")) if path.is_file()]
     return Inspection(len(there), tuple(damaged), tuple(missing), tuple(half_written))
 
@@ -108,26 +109,28 @@ def sha256(path: str | Path) -> str:
         return hashlib.file_digest(file, "sha256").hexdigest()
 
 
-def _reason(path: Path, expected: str) -> str:
-    if not path.is_file():
-        return "missing"
-    if path.stat().st_size == 0:
-        # Only a job's empty product may be empty.
-        return "" if expected == hashlib.sha256().hexdigest() else "empty"
-    return "" if sha256(path) == expected else "its content is not what was written"
+def _reason(path: Path, expected: set[str]) -> str:
+    """Why a product is not what its job wrote; empty if it is."""
+    if sha256(path) in expected:
+        return ""
+    return "its content is not what was written" if path.stat().st_size else "empty"
 
 
-def _recorded(path: Path) -> str | None:
-    """The checksum of a product, from the manifest of the job that wrote it."""
+def _recorded(path: Path) -> set[str]:
+    """The checksums of a product in the manifests of jobs that wrote it; none if no job did.
+
+    More than one if another configuration had it written by another rule, whose manifest is still there.
+    """
     # A job's log lies beside its products or one folder above; tables and figures are shown at the top of a run instead.
     folders = (path.parent, path.parent.parent)
-    for manifest in [*(folder / MANIFEST for folder in folders), *(m for f in folders for m in f.glob(f"0/*/{MANIFEST}"))]:
-        if manifest.is_file():
-            name = os.path.relpath(path, manifest.parent)
-            for listed, expected in _lines(manifest):
-                if listed == name:
-                    return expected
-    return None
+    manifests = [*(folder / MANIFEST for folder in folders), *(m for f in folders for m in f.glob(f"0/*/{MANIFEST}"))]
+    return {
+        expected
+        for manifest in manifests
+        if manifest.is_file()
+        for name, expected in _lines(manifest)
+        if name == os.path.relpath(path, manifest.parent)
+    }
 
 
 def _lines(manifest: Path) -> Iterator[tuple[str, str]]:

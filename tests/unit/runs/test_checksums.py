@@ -64,6 +64,14 @@ def test_a_file_that_no_job_wrote_is_not_verified(run):
     checksums.verify([run / "own.csv"])
 
 
+def test_a_product_that_another_rule_writes_now_is_no_damage(run):
+    (run / "0/publish_scores").mkdir()
+    (run / "claims.csv").write_text("id\n2\n")
+    checksums.record([run / "claims.csv"], run / "0/publish_scores")
+    checksums.verify([run / "claims.csv"])
+    assert checksums.inspect(run).damaged == ()
+
+
 def test_a_missing_product_and_a_half_written_file_are_reported(run):
     (run / "claims.csv").unlink()
     (run / ".claims.a1b2c3d4.csv").write_text("half")
