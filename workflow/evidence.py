@@ -1,4 +1,6 @@
-"""Print the tables of docs/evidence.md from what `make replicates`, `recovery` and `multiverse` left; --write puts them there.
+"""Print the tables of docs/evidence.md from what `make`, `replicates`, `recovery`, `multiverse` and `resampled` left.
+
+--write puts them there.
 
 The tables stand between the markers `<!-- name -->` and `<!-- /name -->`; the words around them are written by hand.
 """
@@ -20,6 +22,8 @@ READINGS = (
     "true parameters of the neighbours",
     "perfect sample",
 )
+VERDICTS = ("reproduced", "partly", "not reproduced", "not checkable")
+QUARTILES = ("median", "q25", "q75")
 MEASURES = ("ks", "bias", "spread")
 MODELS = ("P_Prob (calibrated)", "P_Prob (extended)", "P_Prob (extended), earlier walks")
 
@@ -168,7 +172,59 @@ def multiverse_claims(folder):
     return markdown(["holds", "claims", "which"], rows)
 
 
+def realism(folder):
+    """Synthetic and recorded medians and quartiles; of what is split by distance, the shortest and the longest."""
+    table = pd.read_csv(folder / "realism.csv").query("n_recorded > 0")
+    table = table[~table["source"].str.contains(",")]  # neither subjects with spikes nor a part of the walks
+    rows = []
+    for quantity, part in table.groupby("quantity", sort=False):
+        for _, row in part.iloc[sorted({0, len(part) - 1})].iterrows():
+            span = "" if row["distance_low_m"] == 0 else f", {row['distance_low_m']:g}-{row['distance_high_m']:g} m"
+            ours, theirs = (
+                "{:.3g} [{:.3g}, {:.3g}]".format(*(row[f"{n}_{q}"] for q in QUARTILES)) for n in ("synthetic", "recorded")
+            )
+            distance = "-" if pd.isna(row["ks_distance"]) else f"{row['ks_distance']:.2f}"
+            name = f"{quantity.replace('_', ' ')} ({row['unit']}){span}"
+            rows.append([name, ours, theirs, f"{row['n_recorded']}", distance, row["source"]])
+    return markdown(["median [quartiles]", "synthetic", "recorded", "recorded walks", "KS distance", "recording"], rows)
+
+
+def resampled_verdicts(folder):
+    """How many verdicts agree, and the claims whose verdicts differ."""
+    table = pd.read_csv(folder / "verdicts.csv")
+    names = [name for name in VERDICTS if name in set(table["verdict"]) | set(table["verdict_other"])]
+    counts = pd.crosstab(table["verdict_other"], table["verdict"]).reindex(index=names, columns=names, fill_value=0)
+    agreement = markdown(["synthetic down, resampled across", *names], [[name, *map(str, counts.loc[name])] for name in names])
+    differ = table[~table["agrees"]]
+    rows = [
+        [str(cell) if pd.notna(cell) else "-" for cell in row]
+        for row in differ[["id", "published", "ours_other", "ours", "verdict_other", "verdict"]].itertuples(index=False)
+    ]
+    header = ["claim with another verdict", "published", "synthetic", "resampled", "verdict, synthetic", "verdict, resampled"]
+    same = f"{int(table['agrees'].sum())} of {len(table)} verdicts are the same.\n\n"
+    return f"{same}{agreement}\n\n{markdown(header, rows)}"
+
+
+def resampled_scores(folder):
+    """CRPS of every forecast under both generators, and coverage under the second."""
+    runs = {"synthetic": folder.parent / "steering/scores.csv", "resampled": folder / "scores.csv"}
+    keyed = {name: pd.read_csv(path).query("hull == 'all'").set_index(["model", "scenario"]) for name, path in runs.items()}
+    models, scenarios = (list(dict.fromkeys(keyed["resampled"].index.get_level_values(level))) for level in (0, 1))
+    columns = [(scenario, name) for scenario in scenarios for name in runs]
+    rows = []
+    for model in models:
+        found = [keyed[name].loc[(model, scenario)] for scenario, name in columns]
+        cells = [f"{row['crps_s']:.3f} [{row['crps_s_low']:.3f}, {row['crps_s_high']:.3f}]" for row in found]
+        holds = " / ".join(f"{100 * keyed['resampled'].loc[(model, scenario), 'coverage_90']:.0f}" for scenario in scenarios)
+        rows.append([model, *cells, holds])
+    header = [f"{scenario.replace('_', ' ')}, {name}" for scenario, name in columns]
+    return markdown(["CRPS (s)", *header, "90 % interval holds, resampled (%)"], rows)
+
+
 TABLES = {
+    "realism": (realism, "steering"),
+    "resampled_verdicts": (resampled_verdicts, "resampled"),
+    "resampled_scores": (resampled_scores, "resampled"),
     "multiverse": (multiverse, "multiverse"),
     "multiverse_turns": (multiverse_turns, "multiverse"),
     "multiverse_claims": (multiverse_claims, "multiverse"),
@@ -187,7 +243,11 @@ def main(results, write):
         if not (results / run).is_dir():
             print(f"{name}: there is no {results / run}; run make {run} first", file=sys.stderr)
             continue
-        text = f"<!-- {name} -->\n{make(results / run)}\n<!-- /{name} -->"
+        try:
+            text = f"<!-- {name} -->\n{make(results / run)}\n<!-- /{name} -->"
+        except FileNotFoundError as error:
+            print(f"{name}: there is no {error.filename}", file=sys.stderr)
+            continue
         page, found = re.subn(rf"<!-- {name} -->.*?<!-- /{name} -->", lambda _, text=text: text, page, flags=re.DOTALL)
         print(text if not write else f"{name}: {'written' if found else 'has no place in the page'}")
     if write:
