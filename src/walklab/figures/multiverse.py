@@ -9,6 +9,7 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
 from walklab.figures.style import (
@@ -27,15 +28,17 @@ from walklab.multiverse.choices import READINGS
 
 # Claim (with {} for the scenario) -> title of its column.
 EFFECTS = {
-    "median_reduction_{}_p_stat_to_p_adapt": f"median |dt|\n{model_label('P_Stat')} to {model_label('P_Adapt')}",
-    "median_reduction_{}_p_adapt_to_p_prob": f"median |dt|\n{model_label('P_Adapt')} to {model_label('P_Prob')} (literal)",
-    "median_reduction_{}_p_stat_to_p_prob": f"median |dt|\n{model_label('P_Stat')} to {model_label('P_Prob')} (literal)",
+    "median_reduction_{}_p_stat_to_p_adapt": f"median |dt|\n{model_label('P_Stat')} to\n{model_label('P_Adapt')}",
+    "median_reduction_{}_p_adapt_to_p_prob": f"median |dt|\n{model_label('P_Adapt')} to\n{model_label('P_Prob')} (literal)",
+    "median_reduction_{}_p_stat_to_p_prob": f"median |dt|\n{model_label('P_Stat')} to\n{model_label('P_Prob')} (literal)",
     "crps_reduction_{}_p_stat_to_p_prob_calibrated": (
-        f"CRPS, {model_label('P_Stat')} + residuals\nto {model_label('P_Prob')} (calibrated)"
+        f"CRPS\n{model_label('P_Stat')} + residuals to\n{model_label('P_Prob')} (calibrated)"
     ),
 }
 PLACE = "place_"
 LOW, HIGH = "#01665E", "#A6611A"  # ends of a constant's range (ColorBrewer BrBG): no model's and no scenario's colour
+FAR_BELOW = -1.5
+TICKS = (-32, -16, -8, -4, -2, -1, -0.5, 0, 0.5)
 Places = NDArray[np.int64]
 DOTS_MM, CURVE_MM = 2.35, 44.0
 
@@ -78,7 +81,7 @@ def fig_specification_curve(claims: pd.DataFrame, specifications: pd.DataFrame, 
         + (f"; {lost} more could not be run" if lost else ""),
         fontsize=7,
     )
-    figure.legend(handles=_legend(scenarios), loc="outside upper right", ncols=5)
+    figure.legend(handles=_legend(scenarios), loc="outside upper right", ncols=6)
     return figure
 
 
@@ -99,13 +102,22 @@ def _curve(ax: Axes, effects: list[pd.DataFrame], scenarios: Sequence[str], defa
         ax.plot(at[default], effect["ours"].iloc[default], "D", mfc="white", mec=shade, ms=3.5, zorder=4)
         known = effect["held"].dropna()
         ax.text(
-            0.02, 0.97 - 0.085 * number, f"{set_label(scenario)}: above 0 in {int(known.sum())} of {len(known)}",
-            transform=ax.transAxes, va="top", fontsize=6, color=shade,
+            0.02, 0.97 - 0.085 * number, f"{set_label(scenario)}: {int(known.sum())} of {len(known)} above 0",
+            transform=ax.transAxes, va="top", fontsize=6, zorder=6, bbox={"fc": "white", "ec": "none", "pad": 0.6},
         )  # fmt: skip
     # The limits are set by the effects, not by their intervals.
-    values = np.concatenate([effect["ours"].to_numpy(dtype=float) for effect in effects])
-    low, high = min(np.nanmin(values), 0.0), max(np.nanmax(values), 0.0)
-    ax.set_ylim(low - 0.05 * (high - low), high + 0.3 * (high - low))
+    values = np.concatenate([[0.0], *(effect["ours"].dropna().to_numpy(dtype=float) for effect in effects)])
+    low, high = values.min(), values.max()
+    room = max(high - low, 0.01)
+    if low < FAR_BELOW:
+        # A reduction cannot exceed 1, but has no end below: there the scale is logarithmic.
+        ax.set_yscale("symlog", linthresh=0.5)
+        ax.yaxis.set_major_locator(FixedLocator(TICKS))
+        ax.yaxis.set_minor_locator(NullLocator())
+        ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+        ax.set_ylim(1.1 * low, max(6.0, 8 * high))  # room for the counts
+    else:
+        ax.set_ylim(low - 0.05 * room, high + 0.3 * room)
     ax.grid(axis="y")
 
 
@@ -152,7 +164,8 @@ def _legend(scenarios: Sequence[str]) -> list[Line2D]:
         Line2D([], [], marker=".", ls="none", color=SET_COLOURS[number % len(SET_COLOURS)], label=set_label(scenario))
         for number, scenario in enumerate(scenarios)
     ]
+    marks.append(Line2D([], [], color=FAINT, lw=1, label=f"95 % interval, {set_label(scenarios[0])}"))
     marks.append(Line2D([], [], marker="D", ls="none", mfc="white", mec=BLACK, ms=3.5, label="default (*)"))
-    marks.append(Line2D([], [], marker=".", ls="none", color=LOW, label="low third of its range"))
+    marks.append(Line2D([], [], marker=".", ls="none", color=LOW, label="low third of a range"))
     marks.append(Line2D([], [], marker=".", ls="none", color=HIGH, label="high third"))
     return marks

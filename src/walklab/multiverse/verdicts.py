@@ -40,11 +40,12 @@ def _crps_reduction(scenario: str, rows: pd.DataFrame, seed: int, replicate: int
     codes, clusters = cluster_codes(rows.loc[rows["model"] == STATIC, "participant"])
     counts = cluster_counts(clusters, bootstraps, generator(seed, replicate, "multiverse", "crps", scenario))
     low, high = interval(1 - resampled_sums(second, codes, counts) / resampled_sums(first, codes, counts), clusters)
+    words = scenario.replace("_", " ")
     value = float(np.round(1 - second.sum() / first.sum(), DECIMALS)) + 0.0
     return {
         "claim": f"crps_reduction_{scenario}_p_stat_to_p_prob_calibrated",
         "section": "beyond the paper",
-        "statement": f"{scenario}: reduction of the CRPS from P_Stat with residual spread to P_Prob (calibrated)",
+        "statement": f"{words}: reduction of the CRPS from P_Stat with residual spread to P_Prob (calibrated)",
         "ours": value,
         "ours_low": low,
         "ours_high": high,
