@@ -155,10 +155,21 @@ PLANNERS = {
 }
 
 
+# What draws or judges parameters: with one planner to the verdicts and scores, with the other to the maps and the trials.
+REACHED = {
+    "two parameters, another planner": ["draw_claims", "draw_forecasts", "draw_fig08", "draw_fig09", "draw_fig10", "draw_fig13"],
+    "four parameters": ["simulate_trials", "draw_fig05", "draw_fig06", "draw_fig08", "draw_fig09"],
+}
+
+
 @pytest.mark.parametrize("name", PLANNERS)
 def test_another_planner_needs_only_configuration(project, name):
     (project.folder / "planner.yaml").write_text(json.dumps(PLANNERS[name]))
-    project.run("--cores", "2", "--configfile", "tests/workflow/tiny.yaml", "planner.yaml", "--until", "simulate_trials")
+    project.run("--cores", "2", "--configfile", "tests/workflow/tiny.yaml", "planner.yaml", "--until", *REACHED[name])
+    for rule in REACHED[name]:
+        if "fig" in rule:
+            figure = rule.removeprefix("draw_")
+            assert (project.folder / f"results/tiny/figures/{figure}.svg").stat().st_size > 5_000
     trials = pd.read_parquet(project.folder / "results/tiny/0/simulate_trials/scenario_1/trials.parquet")
     names = [axis["name"] for axis in PLANNERS[name]["space"]]
     assert set(names) <= set(trials.columns)

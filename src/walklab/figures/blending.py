@@ -12,6 +12,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize
 from matplotlib.figure import Figure
 from matplotlib.patches import ConnectionPatch
+from matplotlib.ticker import MaxNLocator
 from mpl_toolkits.mplot3d import proj3d
 from numpy.typing import NDArray
 
@@ -242,6 +243,7 @@ def fig09(
     for panel in (ax, last):
         panel.set(xlabel=quantity(first.name, first.unit), ylabel=quantity(second.name, second.unit) if panel is ax else "")
         panel.set(xlim=(first.values[0], first.values[-1]), ylim=(second.values[0], second.values[-1]))
+        panel.xaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))  # a long label at the right end would be cut off
     return figure
 
 
