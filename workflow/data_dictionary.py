@@ -2,13 +2,14 @@
 
 import pandera.pandas as pa
 
-from walklab.capture import io, walks
+from walklab.capture import io, real_shapes, walks
 
 TABLES = {
     "Participants": ("draw_participants/participants.parquet", io.PARTICIPANTS),
     "Recordings of experiment 1": ("record_training/<shard>/recording.parquet", io.RECORDING),
     "Poses of experiment 2": ("record_scenario/<scenario>/poses.parquet", io.POSES),
     "Truth of the generator": ("record_*/**/truth.parquet, read by the checks of the segmentation alone", io.TRUTH),
+    "Shapes of recorded walks": ("results/resampled/0/import_shapes/shapes.parquet", real_shapes.SHAPES),
     "Long distances": ("record_long_distance/times.parquet", io.TRAVEL_TIMES),
     "Walks": ("extract_*/**/walks.parquet, import_walks/<shard>/walks.parquet", walks.WALKS),
     "Samples of the walks": ("extract_*/**/samples.parquet, import_walks/<shard>/samples.parquet", walks.SAMPLES),
@@ -40,6 +41,8 @@ OTHERS = """## Other products
 | `simulate_trials/<scenario>/trials.parquet` | a row per walk and model: drawn parameters, signed and absolute travel-time error (s), arrival, trajectory error (m), `inside_hull` |
 | `results/<run>/claims.csv` | a row per claim: id, section, statement, published, ours, `ours_low` and `ours_high` (95 %), verdict, note |
 | `results/<run>/scores.csv` | proper scores per forecast, scenario and part of the training range (`hull`): CRPS (s), energy score (m), coverage, bias (s), each with a 95 % interval |
+| `results/<run>/realism.csv` | a row per measure, class of distance and recording: medians, quartiles and numbers of synthetic and recorded walks, Kolmogorov-Smirnov distance, remark (why a recording is absent) |
+| `results/resampled/verdicts.csv` | a row per claim: value and verdict under synthetic walks (`ours_other`, `verdict_other`) and under walks resampled from recordings, and whether the verdicts agree |
 | `results/replicates/claims.csv` | a row per claim: in how many populations it was checkable (`replicates`), reproduced, and its direction held, each with the ends of the share's Wilson interval; median and range of ours |
 | `results/replicates/scores.csv` | a row per scenario, hull, measure and forecast: mean over populations (`value`), 95 % interval, sd, `below_zero` (populations in which it is negative); `crps_difference_s` is the CRPS (s) of `model` minus that of `against` |
 | `results/recovery/recovery.csv` | a row per number of walks, resolution, repetition, task, reading of the maps, measure (`ks`, `bias`, `spread`, `energy`) and parameter |

@@ -29,12 +29,14 @@ Array = NDArray[np.float64]
 PATH, SWING, START, STOP = "path", "swing", "start", "stop"
 SHAPES = pa.DataFrameSchema(
     {
-        "kind": pa.Column(str, pa.Check.isin([PATH, SWING, START, STOP])),
-        "subject": pa.Column(str),
-        "walk": pa.Column(str),
-        "distance_m": pa.Column(float, pa.Check.gt(0), coerce=True),
-        "x": pa.Column(float, coerce=True),  # path: along the straight line, in distances; else time (s)
-        "y": pa.Column(float, coerce=True),  # path: to its left, in distances; else speed relative to the mean or to cruising
+        "kind": pa.Column(str, pa.Check.isin([PATH, SWING, START, STOP]), description="what is resampled"),
+        "subject": pa.Column(str, description="who lends the shape, as the recording names the person"),
+        "walk": pa.Column(str, description="recorded walk"),
+        "distance_m": pa.Column(float, pa.Check.gt(0), coerce=True, description="from its start to its end"),
+        "x": pa.Column(float, coerce=True, description="path: along the straight line, in distances; else time (s)"),
+        "y": pa.Column(
+            float, coerce=True, description="path: to its left, in distances; else speed over the mean of a step or cruising"
+        ),
     },
     strict=True,
     ordered=True,
