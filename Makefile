@@ -6,7 +6,7 @@
 # make recovery     does the method recover a known distribution? walks made by the planner itself
 # make multiverse   the study under other readings of the paper and other constants of the capture: results/multiverse
 # make test     all tests but the slow ones      make test-all   these too      make lint   all checks of style and structure
-# make bench    every benchmark beside its baseline: results/bench/summary.json
+# make bench    every benchmark beside its baseline: results/bench/summary.json, scaling.png
 # make track    log a finished run to MLflow (RUN=results/steering, URI=...)
 # make crate    pack it as a Workflow Run RO-Crate
 # make large    capture, maps and blending space of 50 000 walks
@@ -63,8 +63,15 @@ test: .venv/ready .venv/tracking .venv/validator/ready
 test-all: .venv/ready .venv/tracking .venv/validator/ready
 	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder
 
-bench: .venv/ready
-	$(BIN)/python benchmarks/run.py
+# One core where a row says so, and the BLAS kernels that the processor wants: neither may slow a baseline.
+BENCH := env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
+
+bench: .venv/ready .venv/peers/ready
+	mkdir -p results/bench
+	$(BENCH) $(BIN)/python -m pytest benchmarks -o pythonpath=benchmarks --benchmark-disable-gc \
+	    --benchmark-json=results/bench/pytest-benchmark.json
+	$(BENCH) $(BIN)/python benchmarks/bench_scaling.py
+	$(BIN)/python benchmarks/summary.py
 
 # Capture, maps and blending space of more than 50 000 walks.
 large: .venv/ready
@@ -104,6 +111,9 @@ audit: .venv/docs/ready
 container: .venv/ready
 	$(BIN)/python workflow/container.py
 
+# What only the windows of the benchmarks' peers need: half a gigabyte.
+QT := pyside6 pyside6-addons pyside6-essentials pyside6-pdf pyside6-webengine shiboken6 pyobjc-core pyobjc-framework-cocoa
+
 # Needs uv. --no-emit-index-url keeps addresses of package registries out of the file.
 lock:
 	uv pip compile --universal --generate-hashes --no-header --no-emit-index-url --python-version 3.11 \
@@ -114,6 +124,8 @@ lock:
 	    --python-version 3.11 - -o tests/validator.lock
 	printf '%s\n' zensical pip-audit | uv pip compile --universal --generate-hashes --no-header --no-emit-index-url \
 	    --python-version 3.11 - -o docs/tools.lock
+	printf '%s\n' jupedsim pyrvo python_motion_planning | uv pip compile --universal --generate-hashes --no-header \
+	    --no-emit-index-url --python-version 3.11 $(addprefix --no-emit-package ,$(QT)) - -o benchmarks/peers.lock
 
 clean:
 	rm -rf results .snakemake .venv .mypy_cache .ruff_cache .pytest_cache .import_linter_cache
@@ -138,4 +150,10 @@ clean:
 .venv/validator/ready: .venv/ready tests/validator.lock
 	$(PYTHON) -m venv .venv/validator
 	.venv/validator/bin/python -m pip install --quiet --disable-pip-version-check --require-hashes -r tests/validator.lock
+	touch $@
+
+# What the benchmarks are held against, some of it under the GPL, lives by itself. --no-deps: its windows are left out.
+.venv/peers/ready: .venv/ready benchmarks/peers.lock
+	$(PYTHON) -m venv .venv/peers
+	.venv/peers/bin/python -m pip install --quiet --disable-pip-version-check --no-deps --require-hashes -r benchmarks/peers.lock
 	touch $@

@@ -1,20 +1,19 @@
 """Row ``lazy_theta_star`` of the benchmarks: the reference query beside python_motion_planning, on the same grid.
 
-python_motion_planning is under the GPL: it is no dependency, and nothing of it is copied. Install it apart from the project,
-``python -m venv /tmp/pmp && /tmp/pmp/bin/pip install python_motion_planning``, and name its packages in
-``WALKLAB_BENCH_PACKAGES`` (default ``/tmp/pmp/lib/python*/site-packages``); without it the row is skipped.
+python_motion_planning is under the GPL: it is no dependency, and nothing of it is copied. It lives in an environment of its own,
+``.venv/peers``, and is measured only here.
 """
 
 from __future__ import annotations
 
-import glob
-import os
 import sys
 import time
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
+from case import Case, Work
 from shapely import box
 
 from walklab.geometry.scene import Scene
@@ -24,24 +23,18 @@ from walklab.planning.lazy_theta_star import lazy_theta_star
 HALL = Scene("hall", {"left": box(3, 1, 4, 8), "right": box(6, -1, 7, 6.2)})
 START, GOAL = (0.5, 4.0), (9.5, 4.0)
 RADIUS_M = 0.25
-PACKAGES = os.environ.get("WALKLAB_BENCH_PACKAGES", "/tmp/pmp/lib/python*/site-packages")
+PEERS = Path(__file__).resolve().parents[1] / ".venv/peers"
 
 Query = Callable[[], Any]
 
 
-def peer_query(grid: OccupancyGrid) -> Query | None:
-    """The same query for python_motion_planning, or None (and the reason printed) where it is absent.
-
-    It gets the occupancy of exactly the vertices that ours may use.
-    """
+def peer_query(grid: OccupancyGrid) -> Query:
+    """The same query for python_motion_planning; it gets the occupancy of exactly the vertices that ours may use."""
     # At the end of the path: whatever the project has itself is not replaced.
-    sys.path.extend(sorted(glob.glob(PACKAGES)))
-    try:
-        from python_motion_planning.common import TYPES, Grid
-        from python_motion_planning.path_planner import LazyThetaStar
-    except ImportError as error:
-        print(f"lazy_theta_star: no baseline, python_motion_planning cannot be imported from {PACKAGES} ({error})")
-        return None
+    sys.path.extend(map(str, sorted(PEERS.glob("lib/python*/site-packages"))))
+    from python_motion_planning.common import TYPES, Grid
+    from python_motion_planning.path_planner import LazyThetaStar
+
     window = search_window(grid.scene, grid.radius_m, grid.cell_m, [START, GOAL])
     low, high = np.subtract(window[:2], grid.first), np.subtract(window[2:], grid.first) + 1
     blocked = grid.blocked[low[1] : high[1], low[0] : high[0]].T
@@ -58,34 +51,19 @@ def peer_query(grid: OccupancyGrid) -> Query | None:
     return lambda: ready.plan()[1]["length"] * grid.cell_m
 
 
-def cpu_s(query: Query, rounds: int) -> float:
-    """The least CPU time of some rounds."""
-    times = []
-    for _ in range(rounds):
-        before = time.process_time()
-        query()
-        times.append(time.process_time() - before)
-    return min(times)
-
-
-def measure() -> dict[str, dict[str, Any]]:
-    """The row of the table; empty without the baseline. Seconds of CPU time of one query, the grid prepared before."""
+def reference_query() -> Work:
+    """One query, the grid prepared before."""
     grid = build_grid(HALL, RADIUS_M, [START, GOAL])
     theirs = peer_query(grid)
-    if theirs is None:
-        return {}
 
-    def ours() -> np.ndarray:
-        return lazy_theta_star(grid, START, GOAL)
+    def baseline_s() -> float:
+        # It takes so long that one round is enough.
+        start = time.process_time()
+        theirs()
+        return time.process_time() - start
 
-    ours()
-    # The baseline takes so long that one round is enough; ours is measured before and after it.
-    before, baseline, after = cpu_s(ours, 15), cpu_s(theirs, 1), cpu_s(ours, 15)
-    least = min(before, after)
     name = "python_motion_planning LazyThetaStar"
-    row = {"ours": least, "baseline": baseline, "baseline_name": name, "ratio": baseline / least, "unit": "s per query"}
-    return {"lazy_theta_star": row}
+    return Work(lambda: lazy_theta_star(grid, START, GOAL), 1, "s per query", baseline_s, name, rounds=30)
 
 
-if __name__ == "__main__":
-    print(measure())
+CASES = [Case("lazy_theta_star", reference_query)]

@@ -1,26 +1,25 @@
 """Speed of the run-time model beside what people would use instead, in the same run.
 
-``python benchmarks/bench_model.py`` prints a table. The baseline of a sample is scikit-learn's ``KDTree``, a numpy blend, scipy's
+The baseline of a sample is scikit-learn's ``KDTree``, a numpy blend, scipy's
 ``RBFInterpolator`` solved for the blended map, and rejection under the grid's maximum. Its time does not depend
 on what comes after the solution, so it draws at exponent 1, its cheapest, throughout.
 """
 
 from __future__ import annotations
 
-import gc
+import atexit
 import pickle
+import shutil
 import tempfile
-import time
-import warnings
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+from case import Case, Work, least_s
 from scipy.interpolate import RBFInterpolator
 from sklearn.neighbors import KDTree
 
-from walklab import OutsideTrainingRange, ProbabilisticModel
+from walklab import ProbabilisticModel
 from walklab.steering.blending_space import blending_space
 from walklab.steering.interpolation import interpolant_named
 from walklab.steering.models import probabilistic_model
@@ -33,8 +32,6 @@ QUERIES = 1000  # different dependency vectors, so that no cache holds the maps 
 UNITS = "s per sample"
 BASELINE = "KD-tree + blend + scipy RBFInterpolator + rejection"
 PROPOSALS = 64
-
-Row = dict[str, float | str]
 
 
 def synthetic_model(basis: str, maps: int = MAPS, cells: int = CELLS_PER_AXIS, seed: int = 0) -> ProbabilisticModel:
@@ -82,83 +79,58 @@ class Baseline:
                 return proposals[np.argmax(accepted)]
 
 
-def _turns(*actions: tuple[Callable[[], object], int], rounds: int = 7) -> list[float]:
-    """Best CPU seconds per call of each action, taken in turns so that they share good and bad moments."""
-    best = [np.inf] * len(actions)
-    gc.disable()
-    for _ in range(rounds):
-        for index, (action, calls) in enumerate(actions):
-            start = time.process_time()
-            action()
-            best[index] = min(best[index], (time.process_time() - start) / calls)
-    gc.enable()
-    return best
+def sampling(key: str, basis: str, k: int, exponent: float, batched: bool) -> Case:
+    """One sample for each of many vectors, one call each or all in one."""
 
+    def prepare() -> Work:
+        model = replace(synthetic_model(basis), k=k, exponent=exponent)
+        asked, rng, baseline = queries(model), np.random.default_rng(2), Baseline(synthetic_model("rbf"))
 
-def _row(ours: float, baseline: float, name: str, unit: str = UNITS) -> Row:
-    return {"ours": ours, "baseline": baseline, "baseline_name": name, "ratio": baseline / ours, "unit": unit}
-
-
-def _sampling_rows(models: dict[str, ProbabilisticModel]) -> dict[str, Row]:
-    asked = queries(models["rbf"])
-    rng = np.random.default_rng(2)
-    baseline = Baseline(models["rbf"])
-    rows: dict[str, Row] = {}
-    for key, basis, k in (
-        ("sample_rbf_k100", "rbf", 100),
-        ("sample_k100", "multilinear", 100),
-        ("sample_k500", "multilinear", 500),
-    ):
-        variants = [replace(models[basis], k=k, exponent=exponent) for exponent in EXPONENTS]
-
-        def singly(model: ProbabilisticModel) -> None:
+        def singly() -> None:
             for vector in asked:
                 model.sample(vector, 1, rng)
 
-        def theirs(count: int = k) -> None:
+        def theirs() -> None:
             for vector in asked[:3]:
-                baseline.sample(vector, count, rng)
+                baseline.sample(vector, k, rng)
 
-        for model in variants:
-            model.sample(asked[0], 1, rng)  # compiled before it counts
-        *ours, other = _turns(*(((lambda m=m: singly(m)), QUERIES) for m in variants), (theirs, 3))
-        rows[key] = _row(max(ours), other, BASELINE)
-        if key == "sample_k100":
-            ours = _turns(*(((lambda m=m: m.sample_batch(asked, 1, rng)), QUERIES) for m in variants), rounds=40)
-            rows["sample_batch"] = _row(max(ours), other, BASELINE)
-    return rows
+        ours = (lambda: model.sample_batch(asked, 1, rng)) if batched else singly
+        return Work(ours, QUERIES, UNITS, lambda: least_s(theirs, 3), BASELINE, rounds=40 if batched else 7)
+
+    return Case(key, prepare, f"exponent_{exponent:g}")
 
 
-def _loading_row(model: ProbabilisticModel, folder: Path) -> Row:
+def loading() -> Work:
     """Opening and drawing one; the baseline unpickles the same object and draws with the same code."""
+    folder = Path(tempfile.mkdtemp(prefix="walklab-bench-"))
     saved, pickled = folder / "model.safetensors", folder / "model.pickle"
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    model = synthetic_model("rbf")
     model.save(saved)
     fresh = ProbabilisticModel.load(saved)  # an object that has not drawn yet, so that no search tree is pickled
     pickled.write_bytes(pickle.dumps(fresh, protocol=5))
     vector, rng = queries(model, 1)[0], np.random.default_rng(0)
 
-    def load() -> None:
-        ProbabilisticModel.load(saved).sample(vector, 1, rng)
-
     def unpickle() -> None:
         with open(pickled, "rb") as file:
             pickle.load(file).sample(vector, 1, rng)
 
-    load()
-    unpickle()
-    return _row(*_turns((load, 1), (unpickle, 1), rounds=15), "unpickling the same arrays and drawing one", "s")
+    return Work(
+        lambda: ProbabilisticModel.load(saved).sample(vector, 1, rng),
+        1,
+        "s",
+        lambda: least_s(unpickle, rounds=15),
+        "unpickling the same arrays and drawing one",
+    )
 
 
-def measure() -> dict[str, Row]:
-    """Rows of the table of speeds: seconds of ours and of the baseline, at exponent 1 or 30, whichever is slower for us."""
-    models = {basis: synthetic_model(basis) for basis in ("rbf", "multilinear")}
-    with warnings.catch_warnings(), tempfile.TemporaryDirectory() as folder:
-        warnings.simplefilter("ignore", OutsideTrainingRange)
-        return {**_sampling_rows(models), "model_load": _loading_row(models["rbf"], Path(folder))}
-
-
-if __name__ == "__main__":
-    for name, row in measure().items():
-        print(
-            f"{name:16} {row['ours']:.3g} {row['unit']}, {row['baseline_name']}: {row['baseline']:.3g}, ratio {row['ratio']:.0f}"
-        )
+ROWS = (
+    ("sample_rbf_k100", "rbf", 100, False),
+    ("sample_k100", "multilinear", 100, False),
+    ("sample_k500", "multilinear", 500, False),
+    ("sample_batch", "multilinear", 100, True),
+)
+CASES = [
+    *(sampling(key, basis, k, exponent, batched) for key, basis, k, batched in ROWS for exponent in EXPONENTS),
+    Case("model_load", loading),
+]

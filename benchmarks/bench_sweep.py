@@ -1,10 +1,9 @@
 """Speed of the sweep: an agent-step of the lanes beside the same algorithm in a plain compiled loop and in plain Python, and
 beside a step of one agent in two crowd simulators.
 
-``python benchmarks/bench_sweep.py``; the simulators (pyrvo, jupedsim) are looked for in this interpreter, then in the one that
-``WALKLAB_PEERS_PYTHON`` names. A step counts only if it was integrated and scored: for the lanes, walkers that differ in omega
-alone count once until their first turn; a walker that has ended counts no more. CPU times on one thread, the least of several
-rounds that take turns with the baseline's.
+The simulators (pyrvo, jupedsim) live in an environment of their own, ``.venv/peers``. A step counts only if it was integrated and
+scored: for the lanes, walkers that differ in omega alone count once until their first turn; a walker that has ended counts no
+more. CPU times on one thread.
 """
 
 from __future__ import annotations
@@ -12,11 +11,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-import time
 from collections.abc import Callable
+from functools import cache
+from pathlib import Path
 
 import numba
 import numpy as np
+from case import Case, Work, least_s
 from numba import njit
 
 from walklab.planning.batch import pack_walks
@@ -26,6 +27,7 @@ from walklab.planning.path_following import PathFollowing
 from walklab.planning.protocol import WalkBatch
 from walklab.planning.routes import prepare_routes
 
+PEERS = str(Path(__file__).resolve().parents[1] / ".venv/peers/bin/python")
 WALKS = 1848
 STEP_S = 1 / 60
 PLANNER = PathFollowing()
@@ -121,11 +123,11 @@ for _ in range(3):
     start = time.process_time()
     for route, frames in tables:
         for cell in values:
-            kernel.score_cell(route, frames, 0.0, 0.0, tuple(cell), bench_sweep.PLANNER._rule)
+            kernel.score_cell(route, frames, 0.0, 0.0, tuple(cell), bench_sweep.PLANNER.rule)
     times.append(time.process_time() - start)
 values = bench_sweep.np.array(values)
 groups = bench_sweep.group_cells(values)
-print(min(times) / bench_sweep.count_steps(routes, offsets, ends, values, groups, bench_sweep.PLANNER._rule)[0])
+print(min(times) / bench_sweep.count_steps(routes, offsets, ends, values, groups, bench_sweep.PLANNER.rule)[0])
 """
 
 RVO = """
@@ -176,83 +178,46 @@ def printed_by(python: str, program: str, *arguments: str, **environment: str) -
     return float(done.stdout.split()[-1])
 
 
-def peer_s(name: str, program: str) -> float | None:
-    """Seconds a step of a simulator, if one of the interpreters has it."""
-    reasons = []
-    for python in filter(None, (sys.executable, os.environ.get("WALKLAB_PEERS_PYTHON"))):
-        try:
-            return printed_by(python, program)
-        except RuntimeError as reason:
-            reasons.append(f"{python}: {reason}")
-    print(f"skipped {name}:", "; ".join(reasons))
-    return None
-
-
-def least_s(first: Callable[[], object], second: Callable[[], object], rounds: int = 9) -> tuple[float, float]:
-    """CPU seconds of two works done in turns, the least of each."""
-    times: tuple[list[float], list[float]] = [], []
-    for round_ in range(rounds + 1):
-        for work, spent in zip((first, second), times, strict=True):
-            start = time.process_time()
-            work()
-            if round_:  # the first compiles
-                spent.append(time.process_time() - start)
-    return min(times[0]), min(times[1])
-
-
-def agent_steps() -> tuple[float, float]:
-    """Seconds an agent-step: in lanes, and in the plain compiled loop."""
+@cache
+def sweep_work() -> tuple[Callable[[], None], float, Callable[[], float]]:
+    """A sweep in lanes, its agent-steps, and what one of the plain compiled loop costs (s)."""
     # 64 walks: enough for the mix, few enough for many rounds.
     batch, values = walks(64), PLANNER.kernel_parameters(cells())
     arguments, scores = packed(batch), np.empty((len(batch), len(values)))
     singles, groups = values.astype(np.float32), group_cells(values)
-    every, once = count_steps(*arguments[:2], batch.captured_offsets, values, groups, PLANNER._rule)
-    lanes_s, plain_s = least_s(
-        lambda: sweep_lanes(*arguments, singles, group_cells(values), PLANNER._rule, scores),
-        lambda: sweep(*arguments, values, PLANNER._rule, scores),
-    )
-    return lanes_s / once, plain_s / every
+    every, once = count_steps(*arguments[:2], batch.captured_offsets, values, groups, PLANNER.rule)
+
+    def lanes() -> None:
+        sweep_lanes(*arguments, singles, group_cells(values), PLANNER.rule, scores)
+
+    return lanes, once, lambda: least_s(lambda: sweep(*arguments, values, PLANNER.rule, scores), every)
 
 
-def maps_s(rounds: int = 7) -> float:
-    """Wall time of all maps of the study, with all threads."""
+def plain_python_s() -> float:
+    return printed_by(sys.executable, PLAIN_PYTHON, os.path.dirname(os.path.abspath(__file__)), NUMBA_DISABLE_JIT="1")
+
+
+def beside(name: str, baseline_s: Callable[[], float]) -> Callable[[], Work]:
+    """Prepares the lanes beside a baseline."""
+
+    def prepare() -> Work:
+        lanes, steps, _ = sweep_work()
+        return Work(lanes, steps, "ns/agent-step", baseline_s, name, factor=1e9)
+
+    return prepare
+
+
+def all_maps() -> Work:
+    """All maps of the study, with all threads."""
     batch, space = walks(WALKS), cells()
-    times = []
-    for _ in range(rounds):
-        start = time.perf_counter()
-        PLANNER.sweep_euclid(batch, space)
-        times.append(time.perf_counter() - start)
-    return min(times)
+    return Work(lambda: PLANNER.sweep_euclid(batch, space), 1, f"s, {numba.get_num_threads()} threads", rounds=7)
 
 
-def row(ours: float, baseline: float | None, name: str, unit: str) -> dict:
-    return {
-        "ours": ours,
-        "baseline": baseline,
-        "baseline_name": name,
-        "ratio": baseline / ours if baseline is not None else None,
-        "unit": unit,
-    }
-
-
-def measure() -> dict[str, dict]:
-    """``{key: {ours, baseline, baseline_name, ratio, unit}}``; keys whose baseline is not installed are left out."""
-    folder = os.path.dirname(os.path.abspath(__file__))
-    lanes_s, plain_s = agent_steps()
-    baselines = {
-        "sweep_vs_scalar": (plain_s, "the same in a plain compiled loop, double precision"),
-        "sweep_vs_python": (printed_by(sys.executable, PLAIN_PYTHON, folder, NUMBA_DISABLE_JIT="1"), "the same in plain Python"),
-        "sweep_vs_rvo": (peer_s("pyrvo", RVO), "pyrvo do_step, one agent"),
-        "sweep_vs_jupedsim": (peer_s("jupedsim", JUPEDSIM), "JuPedSim collision-free speed model, iterate(n), one agent"),
-    }
-    rows = {
-        key: row(1e9 * lanes_s, 1e9 * seconds, name, "ns/agent-step")
-        for key, (seconds, name) in baselines.items()
-        if seconds is not None
-    }
-    return {**rows, "maps_1848": row(maps_s(), None, "", f"s, {numba.get_num_threads()} threads")}
-
-
-if __name__ == "__main__":
-    for key, values in measure().items():
-        print(key, values)
+JUPEDSIM_NAME = "JuPedSim collision-free speed model, iterate(n), one agent"
+CASES = [
+    Case("sweep_vs_scalar", beside("the same in a plain compiled loop, double precision", lambda: sweep_work()[2]())),
+    Case("sweep_vs_python", beside("the same in plain Python", plain_python_s)),
+    Case("sweep_vs_rvo", beside("pyrvo do_step, one agent", lambda: printed_by(PEERS, RVO))),
+    Case("sweep_vs_jupedsim", beside(JUPEDSIM_NAME, lambda: printed_by(PEERS, JUPEDSIM))),
+    Case("maps_1848", all_maps, wall=True),
+]
