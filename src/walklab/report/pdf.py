@@ -10,6 +10,7 @@ from xml.sax.saxutils import escape
 
 import matplotlib
 from PIL import Image as Picture
+from reportlab import rl_config
 from reportlab.lib.colors import HexColor
 from reportlab.lib.pagesizes import A4
 from reportlab.lib.styles import ParagraphStyle
@@ -53,6 +54,7 @@ def pdf_of(contents: Contents) -> bytes:
 
 
 def _register_fonts() -> None:
+    rl_config.useA85 = 0  # bytes as they are, not as letters: smaller, and a third of the time
     folder = Path(matplotlib.get_data_path()) / "fonts/ttf"
     for ending, face in FACES.items():
         pdfmetrics.registerFont(TTFont(face, str(folder / f"DejaVuSans{ending}.ttf")))
@@ -126,7 +128,7 @@ def _figure(figure: ReportFigure) -> list[Flowable]:
     width, height = (size * mm for size in figure.size_mm)
     scale = min(1.0, FRAME_WIDTH / width, FIGURE_HEIGHT / height)
     picture = BytesIO()
-    Picture.open(BytesIO(figure.pixels)).convert("RGB").save(picture, "PNG")
+    Picture.open(BytesIO(figure.pixels)).convert("RGB").save(picture, "BMP")  # without packing: the PDF packs it
     image = Image(picture, width * scale, height * scale, hAlign="LEFT")
     caption = _paragraph(f"{figure_title(figure.name)}. {figure.summary}", 7.5, spaceBefore=3, spaceAfter=6)
     return [image, caption]
