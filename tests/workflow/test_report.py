@@ -20,7 +20,7 @@ def results(finished) -> Path:
 
 
 def test_every_published_figure_stands_beside_the_runs_own_number(results):
-    claims = pd.read_csv(results / "claims.csv", dtype={"published": str}).set_index("id")
+    claims = pd.read_csv(results / "claims.csv", dtype={"published": str}).fillna({"published": ""}).set_index("id")
     tree = html5lib.HTMLParser(strict=True, namespaceHTMLElements=False).parse((results / "report.html").read_text())
     rows = [row for row in tree.iter("tr") if row.get("data-claim")]
     whole = [row for row in tree.find(".//table[@id='verdict-table']").iter("tr") if row.get("data-claim")]
@@ -31,8 +31,11 @@ def test_every_published_figure_stands_beside_the_runs_own_number(results):
         shown = float(cells[3].get("data-sort"))
         assert shown == claim["ours"] or (np.isnan(shown) and np.isnan(claim["ours"]))
         assert row.get("data-verdict") == claim["verdict"]
-    beside = {row.get("data-claim") for row in tree.iter("tr")} - {None}
-    assert beside == set(claims.index)
+    # Every number with a figure of the paper stands beside that figure too.
+    beside = [row.get("data-claim") for row in rows if row not in whole]
+    assert {name for name in claims.index if name.startswith(("scenario_", "ablation_", "k_sweep_", "long_distance_"))} <= set(
+        beside
+    )
 
 
 def test_every_figure_of_the_run_is_in_its_report(results):

@@ -43,7 +43,7 @@ def published_text(value: Any) -> str:
     try:
         return number_text(float(value))
     except ValueError:
-        return str(value) if len(str(value)) <= SHORT_TEXT else "in words"
+        return str(value) if 0 < len(str(value)) <= SHORT_TEXT else "in words"
 
 
 def claimed(claims: pd.DataFrame | None, beginnings: Sequence[str]) -> list[Comparison]:
@@ -55,7 +55,7 @@ def claimed(claims: pd.DataFrame | None, beginnings: Sequence[str]) -> list[Comp
         Comparison(
             str(row["statement"]),
             f"{row['section']:g}" if isinstance(row["section"], float) else str(row["section"]),
-            row["published"],
+            "" if pd.isna(row["published"]) else row["published"],
             row["ours"],
             row["ours_low"],
             row["ours_high"],
