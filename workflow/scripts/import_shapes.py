@@ -3,7 +3,8 @@
 import os
 
 from adapter import job
-from walklab.capture.real_shapes import import_shapes, write_shapes
+from walklab.capture.real_shapes import write_shapes
+from walklab.capture.recorded_shapes import import_shapes
 
 if __name__ == "__main__":
     with job(snakemake):

@@ -22,6 +22,10 @@ SUBJECTS = 10
 # Initial of the direction in which a person stands at first (French: est, nord, ouest, sud), radians from +x.
 FACING_RAD = {"E": 0.0, "N": np.pi / 2, "O": np.pi, "S": -np.pi / 2}
 
+# ASSUME: A walk is straight if the goal lies within 30 degrees of where the person faced, since nobody in experiment 1 had to
+# turn first.
+STRAIGHT_RAD = np.deg2rad(30.0)
+
 
 @dataclass(frozen=True)
 class GoalDirectedWalk:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.stats import ks_2samp
 
 from walklab.capture.foot_markers import REACHED, STEP_S, Ramps, step_mean
-from walklab.capture.goal_directed import GoalDirectedWalk
+from walklab.capture.goal_directed import STRAIGHT_RAD, GoalDirectedWalk
 from walklab.capture.walks import Walk
 from walklab.geometry.curves import RESAMPLING_M, length, mean_curvature, resample, smooth
 from walklab.geometry.standing import speeds
@@ -37,9 +37,6 @@ SHAPE, PEAK = ("lateral_excursion", "excess_length", "curvature"), ("peak_speed"
 GAIT, RAMPS = ("speed_swing", "lateral_sway"), ("rise_time", "fall_time")
 # By the straight distance from start to end; the recorded distances leave 2.25 to 3 m empty.
 DISTANCE_EDGES_M = (0.4, 1.25, 2.25, 3.0, 3.75, 4.5)
-# ASSUME: A walk is straight if the goal lies within 30 degrees of where the person faced, since nobody in experiment 1 had to
-# turn first.
-STRAIGHT_RAD = np.deg2rad(30.0)
 # Walks whose path is longer turn round something or shift about at the start; their peak speeds are not those of their distance.
 DIRECT_RATIO = 1.3
 # ORIGIN.md of the recording: the velocities of subjects 8 to 10 have spikes (their paths have none).

@@ -14,7 +14,8 @@ from walklab.capture.foot_markers import Ramps
 from walklab.capture.long_distance import LongDistanceDesign
 from walklab.capture.participants import draw_participants
 from walklab.capture.published_times import LONG_WALKS, SHORT_WALKS, mean_speed_m_s
-from walklab.capture.real_shapes import PATH, START, STOP, SWING, PathShape, RealShapes, import_shapes, read_shapes, write_shapes
+from walklab.capture.real_shapes import PATH, START, STOP, SWING, PathShape, RealShapes, read_shapes, write_shapes
+from walklab.capture.recorded_shapes import import_shapes
 from walklab.capture.resampling import (
     HELD_OUT,
     RealWalks,
