@@ -5,7 +5,7 @@ import pandas as pd
 
 from adapter import job
 from calibration_inputs import training_inputs
-from walklab.evaluation.calibration import candidate_table, choose_walks, chosen, evidence_of, extended_table
+from walklab.evaluation.calibration import choose_walks, evidence_of, learn_calibration
 from walklab.evaluation.calibration_files import write_calibration
 from walklab.evaluation.simulated_times import travel_times
 from walklab.randomness import generator
@@ -37,9 +37,9 @@ if __name__ == "__main__":
             model["weights"],
             params.blending_space["scaling"],
         )
-        table = pd.concat([candidate_table(evidence), extended_table(evidence)], ignore_index=True)
+        calibration, table = learn_calibration(evidence)
         write_table(table, snakemake.output.candidates)
-        write_calibration(chosen(table), snakemake.output.calibration)
+        write_calibration(calibration, snakemake.output.calibration)
         # What P_Stat and P_Adapt are off by on training walks is their spread as forecasts.
         grid = interpolant_named(model["basis"], space.shape, model["kernel"], model["epsilon"])
         adaptive = space.from_unit(

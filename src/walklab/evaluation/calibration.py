@@ -16,18 +16,19 @@ from numpy.typing import NDArray
 
 from walklab.capture.walks import Walk
 from walklab.errors import InputError
-from walklab.evaluation.baselines import levels
+from walklab.evaluation.extended import LEAST_PEOPLE, extended_table, personal_columns
 from walklab.evaluation.folds import by_participant
 from walklab.evaluation.grid_scores import captured_distances, grid_crps, grid_energy, grid_quantiles
-from walklab.evaluation.pace import PaceEffect, fit_pace, paced
-from walklab.evaluation.subject_scores import forecast_scores
+from walklab.evaluation.sharpness_law import ExponentScores, choose_law
 from walklab.evaluation.tracing import trace_walks
 from walklab.geometry.standing import Standing
 from walklab.planning.protocol import Planner
 from walklab.planning.tracing import Traces
 from walklab.steering.blending_space import BlendingSpace
+from walklab.steering.learned import Pace
+from walklab.steering.pace import PaceEffect, Trend
 from walklab.steering.scaling import ScalingRule, fit_scaling
-from walklab.steering.sharpness import Sharpness, cell_volumes
+from walklab.steering.sharpness import LADDER, Kind, Sharpness, SharpnessLaw, cell_volumes
 from walklab.steering.space import ParameterSpace
 from walklab.steering.suitability import Normalisation, normalise
 from walklab.steering.weighting import Weighting
@@ -36,12 +37,12 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
 MEMBERS = 200
-CANDIDATES = {
-    "exponent": (1.0, 2.0, 4.0, 7.0, 10.0, 14.0, 20.0, 28.0, 40.0, 80.0),
+CANDIDATES: dict[Kind, tuple[float, ...]] = {
+    "exponent": LADDER,
     "threshold": (0.5, 0.7, 0.8, 0.85, 0.9, 0.95),
     "temperature": (0.03, 0.05, 0.07, 0.1, 0.14, 0.2),
 }
-EXTENDED_EXPONENTS = (10.0, 20.0, 40.0, 80.0, 160.0, 320.0)
+BARE = "P_Prob without dependencies"
 
 
 @dataclass(frozen=True)
@@ -52,7 +53,9 @@ class Evidence:
     ----------
     participants : (W,) who walked
     captured_s : (W,) travel times
+    vectors, names : (W, D) run-time dependencies and their names
     suitability, metric, bare : (W, C) blends of *other* participants' suitability and metric, and their mean suitability
+    impersonal : suitability blended without the dependencies that a person carries along (see ``personal_columns``)
     traces : of the W walks
     distances_m : (W, C) of every cell's trajectory from the captured one
     volumes : (C,)
@@ -60,9 +63,12 @@ class Evidence:
 
     participants: Sequence[str]
     captured_s: Array
+    vectors: Array
+    names: Sequence[str]
     suitability: Array
     metric: Array
     bare: Array
+    impersonal: Array
     traces: Traces
     distances_m: NDArray[np.float32]
     volumes: Array
@@ -84,6 +90,7 @@ def blend_others(
     k: int,
     how: Weighting,
     scaling_rule: ScalingRule = "standard_deviation",
+    ignored: Sequence[int] = (),
 ) -> list[Array]:
     """Blends for training walks, each from entries in which the walk's participant has no part.
 
@@ -96,6 +103,7 @@ def blend_others(
     asked : (W,) rows of the captured walks to forecast
     vectors : (W, D) their run-time dependencies
     maps : one or more (N, C) arrays over the captured walks, to be blended alike
+    ignored : dependencies (columns) without which neighbours are searched
 
     Returns
     -------
@@ -112,6 +120,7 @@ def blend_others(
             continue
         foreign = ~(np.isin(blending.parents, own) & used).any(axis=1)
         scaling = fit_scaling(blending.vectors[known], owners[known].tolist(), scaling_rule)
+        scaling.scale[list(ignored)] = np.inf
         # Entries keep their parents' numbers, which are rows of all captured walks.
         others = replace(
             blending,
@@ -136,42 +145,61 @@ def mean_of_others(participants: Sequence[str], asked: Rows, maps: Array) -> Arr
     return np.stack([means[owner] for owner in owners[asked]])
 
 
-def candidate_table(evidence: Evidence, candidates: dict[str, tuple[float, ...]] | None = None) -> pd.DataFrame:
-    """Scores of every kind and value of sharpness, every participant counting once.
+@dataclass(frozen=True)
+class _WalkScores:
+    """Scores of a density on every training walk: (W,) each."""
+
+    crps_s: Array
+    energy_m: Array
+    covered: NDArray[np.bool_]
+
+
+def candidate_table(
+    evidence: Evidence, candidates: Mapping[Kind, Sequence[float]] | None = None
+) -> tuple[pd.DataFrame, SharpnessLaw]:
+    """Scores of every kind and value of sharpness, every participant counting once, and the law for new people.
 
     Returns
     -------
-    DataFrame[model, kind, value, crps_s, energy_m, coverage_90, loss]; ``loss`` is the mean of CRPS and energy score, each
-    relative to the smallest of its model and kind
+    table : DataFrame[model, kind, value, crps_s, energy_m, coverage_90, loss]; ``loss`` is the mean of CRPS and energy score,
+        each relative to the smallest of its model and kind; then the rows of :func:`walklab.evaluation.sharpness_law.choose_law`
+    law : from there
     """
-    rows = []
+    order = np.argsort(evidence.traces.travel_s.astype(float), axis=1, kind="stable")
+    rows, ladder = [], []
     for kind, values in (candidates or CANDIDATES).items():
-        rows += [scored(evidence, "P_Prob", Sharpness(kind, value)) for value in values]  # type: ignore[arg-type]
-    rows += [
-        scored(evidence, "P_Prob without dependencies", Sharpness("exponent", value))
-        for value in (candidates or CANDIDATES)["exponent"]
-    ]
+        for value in values:
+            maps = evidence.metric if kind == "temperature" else evidence.suitability
+            scores = _scores_of(evidence, maps, Sharpness(kind, value), order)
+            rows.append(_row(evidence, "P_Prob", kind, value, scores))
+            if kind == "exponent":
+                ladder.append((value, scores))
+    for value, _ in ladder:
+        rows.append(
+            _row(evidence, BARE, "exponent", value, _scores_of(evidence, evidence.bare, Sharpness("exponent", value), order))
+        )
     table = pd.DataFrame(rows)
     best = table.groupby(["model", "kind"])[["crps_s", "energy_m"]].transform("min")
-    return table.assign(loss=((table["crps_s"] / best["crps_s"] + table["energy_m"] / best["energy_m"]) / 2))
+    table["loss"] = (table["crps_s"] / best["crps_s"] + table["energy_m"] / best["energy_m"]) / 2
+    stacks = (np.stack([getattr(scores, name) for _, scores in ladder], axis=1) for name in ("crps_s", "energy_m", "covered"))
+    law, laws = choose_law(ExponentScores(evidence.participants, evidence.vectors, *stacks))
+    return pd.concat([table, laws], ignore_index=True), law
 
 
-def scored(evidence: Evidence, model: str, sharpness: Sharpness) -> dict[str, Any]:
-    """One row of :func:`candidate_table`, without its loss."""
-    maps = evidence.metric if sharpness.kind == "temperature" else evidence.suitability
-    density = sharpness.density(evidence.bare if model != "P_Prob" else maps, evidence.volumes)
-    travel_s = evidence.traces.travel_s
-    low, high = grid_quantiles(travel_s, density, (0.05, 0.95))[0].T
-    scores = pd.DataFrame(
-        {
-            "crps_s": grid_crps(travel_s, density, evidence.captured_s),
-            "energy_m": grid_energy(evidence.distances_m, density, evidence.traces.places_m, travel_s),
-            "coverage_90": (low <= evidence.captured_s) & (evidence.captured_s <= high),
-        }
+def _scores_of(evidence: Evidence, maps: Array, sharpness: Sharpness, order: Rows) -> _WalkScores:
+    density, travel_s = sharpness.density(maps, evidence.volumes), evidence.traces.travel_s
+    low, high = grid_quantiles(travel_s, density, (0.05, 0.95), order)[0].T
+    return _WalkScores(
+        grid_crps(travel_s, density, evidence.captured_s, order),
+        grid_energy(evidence.distances_m, density, evidence.traces.places_m, travel_s, order),
+        (low <= evidence.captured_s) & (evidence.captured_s <= high),
     )
-    means = scores.groupby(np.asarray(evidence.participants)).mean().mean()
-    row: dict[str, Any] = {"model": model, "kind": sharpness.kind, "value": sharpness.value}
-    return row | {str(name): float(value) for name, value in means.items()}
+
+
+def _row(evidence: Evidence, model: str, kind: Kind, value: float, scores: _WalkScores) -> dict[str, Any]:
+    columns = {"crps_s": scores.crps_s, "energy_m": scores.energy_m, "coverage_90": scores.covered.astype(float)}
+    means = pd.DataFrame(columns).groupby(np.asarray(evidence.participants)).mean().mean()
+    return {"model": model, "kind": kind, "value": value} | {str(name): float(mean) for name, mean in means.items()}
 
 
 def best_value(table: pd.DataFrame, model: str = "P_Prob", kind: str = "exponent", by: str = "loss") -> float:
@@ -180,63 +208,41 @@ def best_value(table: pd.DataFrame, model: str = "P_Prob", kind: str = "exponent
     return float(rows.sort_values([by, "value"], kind="stable")["value"].iloc[0])
 
 
-def extended_table(evidence: Evidence, exponents: Sequence[float] = EXTENDED_EXPONENTS) -> pd.DataFrame:
-    """Scores of the model with a pace effect, its walks in the order given, and the effect fitted to all.
-
-    The effect that forecasts a participant is fitted to the others' residuals.
-
-    Returns
-    -------
-    DataFrame[model, kind, value, crps_s, coverage_90, loss (the CRPS), mean, person_sd, walk_sd]
-    """
-    rows = []
-    for exponent in exponents:
-        density = Sharpness("exponent", exponent).density(evidence.suitability, evidence.volumes)
-        cells = grid_quantiles(evidence.traces.travel_s, density, levels(MEMBERS))[0]
-        residuals = log_residuals(evidence.captured_s, cells)
-        owners = np.asarray(evidence.participants, dtype=str)
-        mean, sd, walk_sd = (np.empty(len(owners)) for _ in range(3))
-        for known, own in by_participant(owners, least=3).values():
-            effect = fit_pace(residuals[known], owners[known].tolist())
-            mean[own], sd[own] = effect.posterior(residuals[own], owners[own].tolist())
-            walk_sd[own] = effect.walk_sd
-        scores = forecast_scores(evidence.captured_s, paced(cells, mean, sd, walk_sd, levels(MEMBERS)))
-        means = scores[["crps_s", "covered"]].groupby(owners).mean().mean()
-        effect = fit_pace(residuals, owners.tolist())
-        row = {"model": "P_Prob (extended)", "kind": "exponent", "value": exponent, "crps_s": means["crps_s"]}
-        row |= {"coverage_90": means["covered"], "loss": means["crps_s"]}
-        rows.append(row | {"mean": effect.mean, "person_sd": effect.person_sd, "walk_sd": effect.walk_sd})
-    return pd.DataFrame(rows)
-
-
-def log_residuals(captured_s: Array, members_s: Array) -> Array:
-    """(W,) logarithm of the captured travel time over the forecast's median."""
-    return np.asarray(np.log(captured_s / np.median(members_s, axis=1)))
-
-
 @dataclass(frozen=True)
 class Calibration:
     """What was learned from the training walks.
 
     Attributes
     ----------
-    exponent : of P_Prob (calibrated)
+    law : exponent of P_Prob (calibrated)
     bare_exponent : of P_Prob without dependencies
-    extended_exponent, pace : of P_Prob (extended)
+    pace : of P_Prob (extended)
     """
 
-    exponent: float
+    law: SharpnessLaw
     bare_exponent: float
-    extended_exponent: float
-    pace: PaceEffect
+    pace: Pace
 
 
-def chosen(table: pd.DataFrame) -> Calibration:
-    """The calibration that the tables of :func:`candidate_table` and :func:`extended_table`, stacked, speak for."""
-    extended = best_value(table, "P_Prob (extended)")
-    row = table[(table["model"] == "P_Prob (extended)") & (table["value"] == extended)].iloc[0]
-    pace = PaceEffect(float(row["mean"]), float(row["person_sd"]), float(row["walk_sd"]))
-    return Calibration(best_value(table), best_value(table, "P_Prob without dependencies"), extended, pace)
+def learn_calibration(
+    evidence: Evidence, candidates: Mapping[Kind, Sequence[float]] | None = None
+) -> tuple[Calibration, pd.DataFrame]:
+    """Everything that is learned, and the table of all candidates it was chosen from.
+
+    With fewer than three participants no pace can be told from a walk's own spread; the extended model then has none.
+    """
+    table, law = candidate_table(evidence, candidates)
+    bare = best_value(table, BARE)
+    people = len(set(evidence.participants))
+    if people < LEAST_PEOPLE:
+        flat = Trend((), (), (), (), (), (), 0, (0.0,))
+        return Calibration(law, bare, Pace(best_value(table), (), flat, PaceEffect(0.0, 0.0, 0.0), 0.0)), table
+    maps: dict[tuple[int, ...], Array] = {(): evidence.suitability}
+    if personal := personal_columns(evidence.vectors, evidence.participants):
+        maps[personal] = evidence.impersonal
+    walks = (evidence.traces.travel_s, evidence.captured_s, evidence.participants, evidence.vectors, evidence.names)
+    extended, paces = extended_table(*walks, maps, evidence.volumes)
+    return Calibration(law, bare, paces[int(np.argmin(extended["loss"]))]), pd.concat([table, extended], ignore_index=True)
 
 
 def evidence_of(
@@ -263,15 +269,22 @@ def evidence_of(
     """
     people = [str(walk.row["participant"]) for walk in walks]
     suitability = normalise(scores, normalisation)
-    blended, metric = blend_others(blending, people, asked, vectors[asked], (suitability, scores), k, how, scaling_rule)
+    ask = (blending, people, asked, vectors[asked])
+    blended, metric = blend_others(*ask, (suitability, scores), k, how, scaling_rule)
+    impersonal = blended
+    if personal := personal_columns(vectors, people):
+        (impersonal,) = blend_others(*ask, (suitability,), k, how, scaling_rule, personal)
     chosen_walks = [walks[row] for row in asked]
     traces, places = trace_walks(chosen_walks, routes, planner, space, standing, time_limit_s)
     return Evidence(
         [people[row] for row in asked],
         np.array([float(walk.row["duration_s"]) for walk in chosen_walks]),
+        vectors[asked],
+        blending.names,
         blended,
         metric,
         mean_of_others(people, asked, suitability),
+        impersonal,
         traces,
         captured_distances(traces, places),
         cell_volumes(space),

@@ -44,7 +44,7 @@ Array = NDArray[np.float64]
 
 STATIC, ADAPTIVE, PROBABILISTIC = "P_Stat", "P_Adapt", "P_Prob"
 WITHOUT_DEPENDENCIES = "P_Prob without dependencies"
-STATIC_SPREAD = "P_Stat with residual spread"
+STATIC_SPREAD, ADAPTIVE_SPREAD = "P_Stat with residual spread", "P_Adapt with residual spread"
 CLIMATOLOGY, REGRESSION, TASK_SPEEDS = "climatology", "regression", "task speeds alone"
 
 
@@ -204,7 +204,8 @@ def _forecasts(
     fitted = _simulate(study, known, static.parameters(vectors[known])[:, None], options)[0][:, 0]
     point = _simulate(study, asked, static.parameters(vectors[asked])[:, None], options)[0][:, 0]
     yield STATIC_SPREAD, 0, with_residuals(point, times[known] - fitted, options.draws), np.nan
-    yield ADAPTIVE, settings.k, *_simulate(study, asked, AdaptiveModel(model).parameters(vectors[asked])[:, None], options)
+    adaptive, arrived = _simulate(study, asked, AdaptiveModel(model).parameters(vectors[asked])[:, None], options)
+    yield ADAPTIVE, settings.k, adaptive, arrived
     drawn = _draw(study, asked, model, vectors, PROBABILISTIC, options.draws, seed, replicate)
     yield PROBABILISTIC, settings.k, *_simulate(study, asked, drawn, options)
     # Without dependencies all maps are equally near: k is their number, and nothing can be up-sampled.
@@ -216,8 +217,14 @@ def _forecasts(
     owners = study.participants[known].tolist()
     traces, distances = study.traced(options.time_limit_s)
     learned = learn(model, settings, owners, times[known], vectors[known], traces.rows(known), distances[known])
+    # Best cells of maps blended from others: with their own maps in the blend, training walks would be forecast too well.
+    best = learned.suitability.argmax(axis=1)
+    residuals = times[known] - traces.travel_s[known, best]
+    yield ADAPTIVE_SPREAD, settings.k, with_residuals(adaptive[:, 0], residuals, options.draws), np.nan
     walks = [{"captured_s": times[i], "vectors": vectors[i], "participants": study.participants[i]} for i in (known, asked)]
-    for name, k, members in nested_forecasts(learned, model, settings.k, walks[0], walks[1], traces.rows(asked), options.draws):
+    for name, k, members in nested_forecasts(
+        learned.calibration, model, settings.k, walks[0], walks[1], traces.rows(asked), options.draws
+    ):
         yield name, k, members, np.nan
     yield CLIMATOLOGY, 0, climatology(times[known], lengths[known], owners, lengths[asked], options.draws), np.nan
     yield REGRESSION, 0, regression(times[known], vectors[known], vectors[asked], options.draws), np.nan

@@ -14,12 +14,14 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from walklab.evaluation.baselines import climatology, levels, regression
-from walklab.evaluation.calibration import MEMBERS, Calibration, log_residuals
+from walklab.evaluation.calibration import MEMBERS, Calibration
+from walklab.evaluation.extended import log_times
 from walklab.evaluation.grid_scores import grid_crps, grid_energy, grid_quantiles
 from walklab.evaluation.learned_baselines import gaussian_process, personal_regression, quantile_regression, with_residuals
-from walklab.evaluation.pace import paced
 from walklab.evaluation.subject_scores import OWN_MAP
 from walklab.planning.tracing import Traces
+from walklab.steering.learned import Pace
+from walklab.steering.pace import paced
 from walklab.steering.sharpness import Sharpness
 
 Array = NDArray[np.float64]
@@ -30,6 +32,8 @@ EXTENDED, EXTENDED_EARLIER = "P_Prob (extended)", "P_Prob (extended), earlier wa
 CLIMATOLOGY, REGRESSION, QUANTILE_REGRESSION = "climatology", "regression", "quantile regression"
 GAUSSIAN_PROCESS = "Gaussian process"
 REGRESSION_EARLIER, LOG_REGRESSION_EARLIER = "regression, earlier walks", "log regression, earlier walks"
+
+INNER = 50  # quantiles of the density that its mixture with a pace is made of
 
 # What uses a person's earlier walks is compared with what uses them too.
 INFORMED = (EXTENDED_EARLIER, REGRESSION_EARLIER, LOG_REGRESSION_EARLIER)
@@ -65,7 +69,7 @@ class Asked:
     ----------
     captured_s : (W,) read by what uses earlier walks, and by the scores
     lengths_m, vectors, participants : (W,), (W, D), (W,)
-    suitability : (W, C) blended maps
+    suitability, paced_suitability : (W, C) blended maps; those of P_Prob (extended)
     static_s, adaptive_s, own_map_s : (W,) travel times simulated with P_Stat's, P_Adapt's and the walk's own best parameters
     traces, distances_m : of all cells
     """
@@ -75,6 +79,7 @@ class Asked:
     vectors: Array
     participants: Sequence[str]
     suitability: Array
+    paced_suitability: Array
     static_s: Array
     adaptive_s: Array
     own_map_s: Array
@@ -92,20 +97,17 @@ class Forecast:
 
 def all_forecasts(known: Known, asked: Asked, calibration: Calibration, volumes: Array) -> dict[str, Forecast]:
     """Every forecast by its name, in the order of the tables."""
-    at = levels(MEMBERS)
     bare = np.tile(known.bare, (len(asked.captured_s), 1))
     found = {
         STATIC: Forecast(with_residuals(asked.static_s, known.static_residuals_s)),
         ADAPTIVE: Forecast(with_residuals(asked.adaptive_s, known.adaptive_residuals_s)),
         LITERAL: on_grid(asked, asked.suitability, 1.0, volumes),
-        CALIBRATED: on_grid(asked, asked.suitability, calibration.exponent, volumes),
+        CALIBRATED: on_grid(asked, asked.suitability, calibration.law.exponents(asked.vectors), volumes),
         BARE: on_grid(asked, bare, calibration.bare_exponent, volumes),
     }
-    sharp = on_grid(asked, asked.suitability, calibration.extended_exponent, volumes).members_s
-    nobody = calibration.pace.posterior(np.zeros(len(sharp)), [str(index) for index in range(len(sharp))])
-    earlier = calibration.pace.posterior(log_residuals(asked.captured_s, sharp), asked.participants)
-    for name, effect in ((EXTENDED, nobody), (EXTENDED_EARLIER, earlier)):
-        found[name] = Forecast(paced(sharp, *effect, calibration.pace.walk_sd, at))
+    density = sharpened(asked.paced_suitability, calibration.pace.exponent, volumes)
+    for name, effect in effects_before(calibration.pace, asked, density).items():
+        found[name] = Forecast(paced_forecast(calibration.pace, asked.traces.travel_s, density, asked.vectors, effect, MEMBERS))
     pairs = known.durations_s, known.vectors
     few = known.durations_s[known.few], known.vectors[known.few]
     personal = (*pairs, known.participants, asked.captured_s, asked.vectors, asked.participants)
@@ -121,12 +123,42 @@ def all_forecasts(known: Known, asked: Asked, calibration: Calibration, volumes:
     return found | {name: Forecast(values) for name, values in members.items()}
 
 
-def on_grid(asked: Asked, maps: Array, exponent: float, volumes: Array) -> Forecast:
-    """The forecast of the sharpened density over the cells."""
-    density = Sharpness("exponent", exponent).density(maps, volumes)
+def effects_before(pace: Pace, asked: Asked, density: Array) -> dict[str, tuple[Array, Array]]:
+    """Mean and standard deviation of each walker's pace effect: of somebody new, and by that person's earlier walks."""
+    start = log_times(asked.traces.travel_s, density).mean + pace.trend(asked.vectors)
+    count = len(asked.captured_s)
+    return {
+        EXTENDED: (np.full(count, pace.effect.mean), np.full(count, pace.effect.new_person_sd)),
+        EXTENDED_EARLIER: pace.effect.posterior(np.log(asked.captured_s) - start, asked.participants),
+    }
+
+
+def paced_forecast(
+    pace: Pace, travel_s: NDArray, density: Array, vectors: Array, effect: tuple[Array, Array], members: int
+) -> Array:
+    """(W, members) travel times of P_Prob (extended)."""
+    mean, sd = effect
+    inner = grid_quantiles(travel_s, density, levels(INNER))[0]
+    freedom = pace.effect.freedom(sd, pace.rest_sd)
+    return paced(inner, pace.trend(vectors) + mean, sd, pace.rest_sd, levels(members), freedom)
+
+
+def on_grid(asked: Asked, maps: Array, exponent: float | Array, volumes: Array) -> Forecast:
+    """The forecast of the sharpened density over the cells; one exponent, or one per walk."""
+    density = sharpened(maps, exponent, volumes)
     travel_s, places_m = asked.traces.travel_s, asked.traces.places_m
     energy_m = grid_energy(asked.distances_m, density, places_m, travel_s)
     return Forecast(grid_quantiles(travel_s, density, levels(MEMBERS))[0], energy_m)
+
+
+def sharpened(maps: Array, exponents: float | Array, volumes: Array) -> Array:
+    """(W, C) densities; one exponent, or one per walk."""
+    each = np.broadcast_to(np.asarray(exponents, dtype=float), len(maps))
+    density = np.empty(maps.shape)
+    for value in np.unique(each):
+        rows = each == value
+        density[rows] = Sharpness("exponent", float(value)).density(maps[rows], volumes)
+    return density
 
 
 def by_exponent(asked: Asked, exponents: Sequence[float], volumes: Array) -> pd.DataFrame:

@@ -16,20 +16,21 @@ Array = NDArray[np.float64]
 PAIRS = 32  # cells that stand for the density in the spread term of the energy score
 
 
-def grid_crps(times_s: ArrayLike, density: ArrayLike, observed_s: ArrayLike) -> Array:
+def grid_crps(times_s: ArrayLike, density: ArrayLike, observed_s: ArrayLike, order: NDArray[np.int64] | None = None) -> Array:
     r"""CRPS of a discrete distribution, :math:`\int (F(t) - 1\{t \ge y\})^2 dt` exactly.
 
     Parameters
     ----------
     times_s, density : (W, C) travel time of each cell and its probability
     observed_s : (W,)
+    order : (W, C) cells by ascending time, if it is known already
 
     Returns
     -------
     (W,) array, seconds
     """
     times, observed = np.asarray(times_s, dtype=float), np.asarray(observed_s, dtype=float)[:, None]
-    order = np.argsort(times, axis=1)
+    order = np.argsort(times, axis=1, kind="stable") if order is None else order
     ascending = np.take_along_axis(times, order, axis=1)
     below = np.cumsum(np.take_along_axis(np.asarray(density, dtype=float), order, axis=1), axis=1)[:, :-1]
     steps = np.diff(ascending, axis=1)
@@ -39,10 +40,12 @@ def grid_crps(times_s: ArrayLike, density: ArrayLike, observed_s: ArrayLike) -> 
     return np.asarray(inside + outside[:, 0])
 
 
-def grid_quantiles(times_s: ArrayLike, density: ArrayLike, levels: ArrayLike) -> tuple[Array, NDArray[np.int64]]:
+def grid_quantiles(
+    times_s: ArrayLike, density: ArrayLike, levels: ArrayLike, order: NDArray[np.int64] | None = None
+) -> tuple[Array, NDArray[np.int64]]:
     """Quantiles of every row's distribution, and the cells they fall on: both (W, levels)."""
     times, asked = np.asarray(times_s, dtype=float), np.asarray(levels, dtype=float)
-    order = np.argsort(times, axis=1, kind="stable")
+    order = np.argsort(times, axis=1, kind="stable") if order is None else order
     cumulative = np.cumsum(np.take_along_axis(np.asarray(density, dtype=float), order, axis=1), axis=1)
     places = np.stack([np.searchsorted(row, asked * row[-1]) for row in cumulative])
     cells = np.take_along_axis(order, np.minimum(places, times.shape[1] - 1), axis=1)
@@ -61,7 +64,13 @@ def captured_distances(traces: Traces, captured_m: Array) -> NDArray[np.float32]
     return result
 
 
-def grid_energy(distances_m: ArrayLike, density: Array, places_m: NDArray[np.float32], travel_s: ArrayLike) -> Array:
+def grid_energy(
+    distances_m: ArrayLike,
+    density: Array,
+    places_m: NDArray[np.float32],
+    travel_s: ArrayLike,
+    order: NDArray[np.int64] | None = None,
+) -> Array:
     r"""Energy score :math:`E d(X, y) - \frac{1}{2} E d(X, X')` of the trajectory, d as in :func:`captured_distances`; metres.
 
     The first term is summed over all cells. The second is that of ``PAIRS`` cells at equidistant quantiles of the travel
@@ -74,7 +83,7 @@ def grid_energy(distances_m: ArrayLike, density: Array, places_m: NDArray[np.flo
     places_m, travel_s : of the traces, (W, C, K, 2) and (W, C)
     """
     first = (np.asarray(distances_m, dtype=float) * density).sum(axis=1)
-    cells = grid_quantiles(travel_s, density, (np.arange(PAIRS) + 0.5) / PAIRS)[1]
+    cells = grid_quantiles(travel_s, density, (np.arange(PAIRS) + 0.5) / PAIRS, order)[1]
     return np.asarray(first - 0.5 * _mean_gaps(places_m, cells))
 
 

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtri
 
 from walklab.evaluation.baselines import levels
-from walklab.evaluation.pace import fit_pace
+from walklab.steering.pace import fit_pace
 
 Array = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ def personal_regression(
 ) -> Array:
     """Regression with a random intercept per person, which the person's *earlier* walks inform.
 
-    Ordinary least squares on the dependencies; residuals split into persons and walks (:func:`walklab.evaluation.pace.fit_pace`);
+    Ordinary least squares on the dependencies; residuals split into persons and walks (:func:`walklab.steering.pace.fit_pace`);
     forecast: fitted value + posterior of the person's intercept + a walk's own spread. ``logarithmic`` fits log T on log of
     the lengths and the other dependencies as they are, so that the intercept is a pace.
     """

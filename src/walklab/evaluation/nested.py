@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
-import pandas as pd
 from numpy.typing import NDArray
 
 from walklab.evaluation.baselines import levels
 from walklab.evaluation.calibration import (
     CANDIDATES,
-    MEMBERS,
     Calibration,
     Evidence,
     blend_others,
-    chosen,
-    extended_table,
-    log_residuals,
+    learn_calibration,
     mean_of_others,
-    scored,
 )
+from walklab.evaluation.extended import log_times, personal_columns
 from walklab.evaluation.forecasts import (
     CALIBRATED,
     EXTENDED,
@@ -29,17 +26,27 @@ from walklab.evaluation.forecasts import (
     LOG_REGRESSION_EARLIER,
     QUANTILE_REGRESSION,
     REGRESSION_EARLIER,
+    paced_forecast,
+    sharpened,
 )
 from walklab.evaluation.grid_scores import grid_quantiles
 from walklab.evaluation.learned_baselines import gaussian_process, personal_regression, quantile_regression
-from walklab.evaluation.pace import paced
 from walklab.planning.tracing import Traces
+from walklab.steering.learned import ignoring
 from walklab.steering.models import ProbabilisticModel
-from walklab.steering.sharpness import Sharpness, cell_volumes
+from walklab.steering.sharpness import cell_volumes
 from walklab.steering.training import TrainingSettings
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
+
+
+@dataclass(frozen=True)
+class Learned:
+    """A calibration, and the (N, C) maps of the training walks blended from *other* participants."""
+
+    calibration: Calibration
+    suitability: Array
 
 
 def learn(
@@ -50,7 +57,7 @@ def learn(
     vectors: Array,
     traces: Traces,
     distances_m: NDArray[np.float32],
-) -> Calibration:
+) -> Learned:
     """Sharpness and pace from the N training walks of a model, leave-one-participant-out among them.
 
     Parameters
@@ -60,20 +67,26 @@ def learn(
     """
     everybody = np.arange(len(participants))
     maps = model.blending.maps[: len(participants)]
-    people = len(set(participants))
     k = min(settings.k, len(participants) - max(list(participants).count(name) for name in set(participants)))
-    (suitability,) = blend_others(
-        model.blending, participants, everybody, vectors, (maps,), k, settings.weights, settings.scaling
-    )
+    ask = (model.blending, participants, everybody, vectors, (maps,), k, settings.weights, settings.scaling)
+    (suitability,) = blend_others(*ask)
+    personal = personal_columns(vectors, participants)
+    impersonal = blend_others(*ask, personal)[0] if personal else suitability
     bare = mean_of_others(participants, everybody, maps)
-    volumes = cell_volumes(model.space)
-    evidence = Evidence(participants, captured_s, suitability, suitability, bare, traces, distances_m, volumes)
-    exponents = [scored(evidence, "P_Prob", Sharpness("exponent", value)) for value in CANDIDATES["exponent"]]
-    table = pd.DataFrame(exponents)
-    table["loss"] = (table["crps_s"] / table["crps_s"].min() + table["energy_m"] / table["energy_m"].min()) / 2
-    bare_table = table.assign(model="P_Prob without dependencies")
-    extended = extended_table(evidence) if people > 2 else table.assign(model="P_Prob (extended)", mean=0, person_sd=0, walk_sd=0)
-    return chosen(pd.concat([table, bare_table, extended], ignore_index=True))
+    evidence = Evidence(
+        participants,
+        captured_s,
+        vectors,
+        model.dependencies,
+        suitability,
+        suitability,
+        bare,
+        impersonal,
+        traces,
+        distances_m,
+        cell_volumes(model.space),
+    )
+    return Learned(learn_calibration(evidence, {"exponent": CANDIDATES["exponent"]})[0], suitability)
 
 
 def nested_forecasts(
@@ -94,15 +107,15 @@ def nested_forecasts(
     traces : of the walks to forecast
     """
     volumes, at = cell_volumes(model.space), levels(members)
-    maps = model.blend(asked["vectors"])
-    density = Sharpness("exponent", calibration.exponent).density(maps, volumes)
+    density = sharpened(model.blend(asked["vectors"]), calibration.law.exponents(asked["vectors"]), volumes)
     yield CALIBRATED, k, grid_quantiles(traces.travel_s, density, at)[0]
-    density = Sharpness("exponent", calibration.extended_exponent).density(maps, volumes)
-    sharp = grid_quantiles(traces.travel_s, density, levels(MEMBERS))[0]
-    alone = [str(row) for row in range(len(sharp))]
+    pace = calibration.pace
+    density = sharpened(ignoring(model, pace.ignored).blend(asked["vectors"]), pace.exponent, volumes)
+    start = log_times(traces.travel_s, density).mean + pace.trend(asked["vectors"])
+    alone = [str(row) for row in range(len(start))]
     for name, people in ((EXTENDED, alone), (EXTENDED_EARLIER, asked["participants"])):
-        effect = calibration.pace.posterior(log_residuals(asked["captured_s"], sharp), list(people))
-        yield name, k, paced(sharp, *effect, calibration.pace.walk_sd, at)
+        effect = pace.effect.posterior(np.log(asked["captured_s"]) - start, list(people))
+        yield name, k, paced_forecast(pace, traces.travel_s, density, asked["vectors"], effect, members)
     pairs = known["captured_s"], known["vectors"], asked["vectors"]
     yield QUANTILE_REGRESSION, 0, quantile_regression(*pairs, members)
     yield GAUSSIAN_PROCESS, 0, gaussian_process(*pairs, members)

@@ -26,10 +26,10 @@ from walklab.evaluation.forecasts import (
     STATIC,
 )
 from walklab.evaluation.mixed import intercept_of
-from walklab.evaluation.pace import fit_pace
 from walklab.evaluation.pairs import paired
 from walklab.evaluation.score_tables import parts
 from walklab.evaluation.signed_rank import ROUNDING_DECIMALS, wilcoxon_power_are
+from walklab.steering.pace import fit_pace
 
 Array = NDArray[np.float64]
 

@@ -88,7 +88,7 @@ def recover(
     calibrated = learned_exponent(made, scores, space, model, setup, rng)
     rows: list[dict[str, object]] = []
     drawn: dict[str, dict[str, Array]] = {}
-    by_exponent: dict[float, list[float]] = {exponent: [] for exponent in CANDIDATES["exponent"]}
+    by_exponent: dict[float, list[float]] = {exponent: [] for exponent in sorted({*CANDIDATES["exponent"][::2], calibrated})}
     for task in setup.tasks:
         at = made.vectors[made.tasks == task]
         where = float(at["length"].iloc[0]), float(at["curvature"].iloc[0])
@@ -181,7 +181,7 @@ def learned_exponent(
         model.k,
         model.weights,
     )
-    return best_value(candidate_table(evidence, {"exponent": CANDIDATES["exponent"]}))
+    return best_value(candidate_table(evidence, {"exponent": CANDIDATES["exponent"]})[0])
 
 
 def some_walks(made: PlannerWalks, rows: NDArray[np.int64]) -> PlannerWalks:

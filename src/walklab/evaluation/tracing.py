@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from walklab.capture.walks import Walk
 from walklab.geometry import curves
+from walklab.geometry.scene import Task
 from walklab.geometry.standing import Standing
 from walklab.planning.protocol import Planner
 from walklab.planning.tracing import Traces, trace_cells
@@ -56,3 +57,39 @@ def trace_walks(
     tasks = [task_of(walk.row) for walk in walks]
     traces = trace_cells(planner, own, tasks, space.cells, times_s, standing.standing_speed_m_s, time_limit_s)
     return traces, captured_places(walks, times_s)
+
+
+def drawn_energy(
+    walks: Sequence[Walk], routes: Mapping[str, Array], planner: Planner, parameters: Array, time_limit_s: float
+) -> Array:
+    r"""Energy score of the trajectories of drawn parameters, :math:`\bar d(x_i, y) - \frac{1}{2} \bar d(x_i, x_j), i \ne j`.
+
+    It has noise, but no bias by the number of draws. Distances d are those of
+    :func:`walklab.evaluation.grid_scores.grid_energy`, between places at the same times.
+
+    Parameters
+    ----------
+    parameters : (W, M, P) drawn for each walk, M > 1
+
+    Returns
+    -------
+    (W,) array, metres
+    """
+    own = [np.asarray(routes[str(walk.row["walk"])], dtype=float) for walk in walks]
+    times_s = score_times(np.array([curves.length(route) for route in own]))
+    captured = captured_places(walks, times_s)
+    scores = np.empty(len(walks))
+    for row, walk in enumerate(walks):
+        frames = np.rint(times_s[row] / planner.step_s).astype(np.int64)
+        task = task_of(walk.row)
+        drawn = np.stack([_places(planner, own[row], task, values, frames, time_limit_s) for values in parameters[row]])
+        near = np.sqrt(((drawn - captured[row]) ** 2).sum(axis=2).mean(axis=1))
+        apart = np.sqrt(((drawn[:, None] - drawn[None]) ** 2).sum(axis=3).mean(axis=2))
+        scores[row] = near.mean() - 0.5 * apart.sum() / (len(drawn) * (len(drawn) - 1))
+    return scores
+
+
+def _places(planner: Planner, route: Array, task: Task, values: Array, frames: NDArray[np.int64], time_limit_s: float) -> Array:
+    """(K, 2) places at the frames, standing at the end after the last."""
+    positions = planner.follow(route, task, values, time_limit_s).positions_m
+    return np.asarray(positions[np.minimum(frames, len(positions) - 1)])

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from walklab.errors import InputError
 from walklab.steering.space import ParameterSpace
@@ -54,6 +54,39 @@ class Sharpness:
             raw = relative**self.value if self.kind == "exponent" else np.maximum(relative - self.value, 0.0)
         raw = raw * volumes
         return np.asarray(raw / raw.sum(axis=1, keepdims=True))
+
+
+LADDER = tuple(float(2.0 ** (step / 3)) for step in range(20))  # exponents that are told apart: thirds of octaves, 1 to 81
+
+
+@dataclass(frozen=True)
+class SharpnessLaw:
+    """Exponent by one dependency: ``level exp(slope (d - centre) / scale)``, rounded to :data:`LADDER`.
+
+    Attributes
+    ----------
+    level : exponent at the centre
+    column, slope : which dependency, and by how much; None: the same exponent everywhere
+    centre, scale : in the dependency's unit
+    """
+
+    level: float
+    column: int | None = None
+    slope: float = 0.0
+    centre: float = 0.0
+    scale: float = 1.0
+
+    def exponents(self, vectors: ArrayLike) -> Array:
+        """(W,) exponents for (W, D) dependency vectors."""
+        return np.array(LADDER)[self.rungs(vectors)]
+
+    def rungs(self, vectors: ArrayLike) -> NDArray[np.int64]:
+        """(W,) their places in :data:`LADDER`."""
+        asked = np.atleast_2d(np.asarray(vectors, dtype=float))
+        logs = np.full(len(asked), np.log(self.level))
+        if self.column is not None:
+            logs += self.slope * (asked[:, self.column] - self.centre) / self.scale
+        return np.clip(np.rint(logs / np.log(LADDER[1])), 0, len(LADDER) - 1).astype(np.int64)
 
 
 def cell_volumes(space: ParameterSpace) -> Array:

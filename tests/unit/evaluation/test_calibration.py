@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
+import scoringrules as sr
 from scipy import stats
 
 from walklab.errors import InputError
@@ -16,17 +17,18 @@ from walklab.evaluation.calibration import (
     blend_others,
     candidate_table,
     choose_walks,
-    chosen,
-    extended_table,
-    log_residuals,
+    learn_calibration,
 )
+from walklab.evaluation.calibration_files import read_calibration, write_calibration
+from walklab.evaluation.extended import extended_table, log_times, personal_columns
 from walklab.evaluation.forecasts import INFORMED, Asked, Known, all_forecasts
 from walklab.evaluation.learned_baselines import gaussian_process, personal_regression, quantile_regression, with_residuals
-from walklab.evaluation.pace import PaceEffect, fit_pace, paced
+from walklab.evaluation.sharpness_law import ExponentScores, choose_law, required_coverage
 from walklab.evaluation.subject_scores import OWN_MAP
 from walklab.planning.tracing import Traces
 from walklab.steering.blending_space import homogenise
-from walklab.steering.sharpness import Sharpness, cell_volumes
+from walklab.steering.pace import PaceEffect, fit_pace, fit_trend, paced, rest_of
+from walklab.steering.sharpness import LADDER, Sharpness, cell_volumes
 from walklab.steering.space import space_from_config
 
 CELLS = 60
@@ -51,17 +53,29 @@ def evidence(exponent: float, walks: int = 400, pace_sd: float = 0.0, seed: int 
     distances = np.abs(speeds - speeds[drawn][:, None]).astype(np.float32)
     captured = travel_s[np.arange(walks), drawn] * factor
     traces = Traces(travel_s.astype(np.float32), np.ones((walks, CELLS), bool), places)
-    return Evidence(owners, captured, suitability, 1 - suitability, suitability, traces, distances, volumes)
+    heights = np.array([1.6 + 0.05 * PEOPLE.index(owner) for owner in owners])
+    vectors = np.column_stack([travel_s[:, 0] * speeds[0], heights])
+    maps = (suitability, 1 - suitability, suitability, suitability)
+    return Evidence(owners, captured, vectors, ("length", "height"), *maps, traces, distances, volumes)
+
+
+def extensions(given: Evidence, exponents: tuple[float, ...]) -> pd.DataFrame:
+    """Scores of the extended model on this evidence."""
+    walks = (given.traces.travel_s, given.captured_s, given.participants, given.vectors, given.names)
+    return extended_table(*walks, {(): given.suitability}, given.volumes, exponents)[0]
 
 
 @pytest.mark.parametrize("exponent", [4.0, 20.0])
 def test_the_exponent_that_made_the_walks_is_found(exponent: float) -> None:
-    candidates = {"exponent": (1.0, 2.0, 4.0, 9.0, 20.0, 45.0), "threshold": (0.5, 0.9), "temperature": (0.05, 0.2)}
-    table = candidate_table(evidence(exponent), candidates)
-    assert best_value(table) == exponent
-    row = table[(table["model"] == "P_Prob") & (table["value"] == exponent)].iloc[0]
+    candidates = {"exponent": LADDER, "threshold": (0.5, 0.9), "temperature": (0.05, 0.2)}
+    table, law = candidate_table(evidence(exponent), candidates)
+    best = best_value(table)
+    assert exponent / 1.7 < best < exponent * 1.7
+    row = table[(table["model"] == "P_Prob") & (table["value"] == best)].iloc[0]
     assert 0.85 < row["coverage_90"] < 0.95
-    assert set(table["kind"]) == {"exponent", "threshold", "temperature"}
+    assert {"exponent", "threshold", "temperature", "covering law"} < set(table["kind"])
+    # What must cover a new person is never sharper than what the scores alone would take.
+    assert law.exponents(np.full((1, 2), law.centre))[0] <= best * 1.3
 
 
 def test_densities_sum_to_one_and_follow_their_formulas() -> None:
@@ -142,15 +156,114 @@ def test_paced_members_are_lognormal_about_a_point() -> None:
     members = paced(np.full((1, 50), 3.0), np.array([0.1]), np.array([0.06]), 0.08, levels)
     assert np.median(members) == pytest.approx(3 * np.exp(0.1), rel=1e-3)
     assert np.log(members).std() == pytest.approx(0.1, rel=0.1)
+    wider = paced(np.full((1, 50), 3.0), np.array([0.1]), np.array([0.06]), 0.08, levels, 3.0)
+    assert np.log(wider).std() > 1.2 * np.log(members).std()
+
+
+def test_few_people_leave_their_spread_uncertain_by_the_textbook() -> None:
+    """The t interval of a new person from n others' exact means: mean -+ t(n - 1) s sqrt(1 + 1/n)."""
+    effect = fit_pace([0.1, 0.2, 0.6], ["a", "b", "c"])
+    assert effect.new_person_sd == pytest.approx(np.std([0.1, 0.2, 0.6], ddof=1) * np.sqrt(4 / 3))
+    assert effect.freedom(effect.new_person_sd, 0.0) == pytest.approx(2)
+    # Whose pace is known well has, beside it, only the walks' own spread.
+    assert effect.freedom(0.01, 0.5) > 1e4
+    assert np.isinf(PaceEffect(0, 0.1, 0.1).freedom(0.1, 0.0))
+
+
+def test_trend_is_recovered_and_held_beyond_training() -> None:
+    rng = np.random.default_rng(1)
+    vectors = np.column_stack([rng.uniform(1, 4, 500), rng.uniform(0, 1, 500)])
+    residuals = 0.1 + 0.2 * np.log(vectors[:, 0]) ** 2 - 0.05 * vectors[:, 1]
+    owners = [f"p{i % 7}" for i in range(500)]
+    trend = fit_trend(residuals, vectors, owners, (0, 1), (True, False), 2)
+    np.testing.assert_allclose(trend(vectors), residuals, atol=1e-9)
+    edge = [[vectors[:, 0].max(), 0.5]]
+    np.testing.assert_allclose(trend([[9.0, 0.5]]), trend(edge))
+    assert fit_trend(residuals, vectors, owners, (0, 1), (True, False), 0)(vectors) == pytest.approx(np.mean(residuals), abs=0.02)
+
+
+def test_rest_is_what_the_walks_own_variances_leave() -> None:
+    rng = np.random.default_rng(2)
+    owners = [f"p{i % 20}" for i in range(8000)]
+    own = rng.uniform(0.01, 0.08, 8000)
+    people = rng.normal(0, 0.3, 20)[[int(name[1:]) for name in owners]]
+    residuals = people + rng.normal(0, np.sqrt(own**2 + 0.05**2))
+    assert rest_of(residuals, owners, own**2) == pytest.approx(0.05, rel=0.05)
+    assert rest_of(people + rng.normal(0, own / 2), owners, own**2) == 0
 
 
 def test_extended_model_learns_the_pace_of_people() -> None:
-    with_pace, without = (
-        extended_table(evidence(40.0, pace_sd=sd), (10.0, 40.0, 160.0)).set_index("value") for sd in (0.15, 0.0)
-    )
-    assert with_pace.loc[40.0, "person_sd"] == pytest.approx(0.15, abs=0.08)
-    assert without.loc[40.0, "person_sd"] < 0.03
-    assert 0.8 < with_pace.loc[40.0, "coverage_90"] < 0.98
+    tables = [extensions(evidence(40.0, pace_sd=sd), (10.0, 40.0, 160.0)).query("degree == 0") for sd in (0.15, 0.0)]
+    with_pace, without = (table.set_index("value") for table in tables)
+    assert with_pace.loc[40.0, "crps_earlier_s"] < 0.75 * with_pace.loc[40.0, "crps_s"]
+    assert without.loc[40.0, "crps_earlier_s"] == pytest.approx(without.loc[40.0, "crps_s"], rel=0.03)
+    for table in (with_pace, without):
+        assert 0.86 < table.loc[40.0, "coverage_earlier_90"] < 0.94
+    assert with_pace["crps_earlier_s"].idxmin() == 40.0
+
+
+def test_extended_scores_of_a_participant_are_by_a_pace_of_the_others() -> None:
+    """Brute force, one person after the other, from walks in which that person does not occur."""
+    given = evidence(40.0, 160, 0.1)
+    owners = np.array(given.participants)
+    table = extensions(given, (40.0,)).set_index("degree")
+    moments = log_times(given.traces.travel_s, Sharpness("exponent", 40.0).density(given.suitability, given.volumes))
+    left = np.log(given.captured_s) - moments.mean
+    crps = []
+    for name in PEOPLE:
+        own, others = owners == name, owners != name
+        effect = fit_pace(left[others], owners[others].tolist())
+        about = left[others] - np.mean([left[owners == each].mean() for each in PEOPLE if each != name])
+        rest = rest_of(about, owners[others].tolist(), moments.variance[others])
+        spread = np.sqrt(effect.new_person_sd**2 + moments.variance[own] + rest**2)
+        crps.append(sr.crps_lognormal(given.captured_s[own], moments.mean[own] + effect.mean, spread).mean())
+    assert table.loc[0, "crps_s"] == pytest.approx(np.mean(crps), rel=1e-6)
+
+
+def test_personal_dependencies_are_those_that_never_change_within_a_person() -> None:
+    given = evidence(10.0, 80)
+    assert personal_columns(given.vectors, given.participants) == (1,)
+    assert personal_columns(given.vectors[:, :1], given.participants) == ()
+
+
+def scores_by_law(rng: np.random.Generator, people: int = 30) -> ExponentScores:
+    """Walks whose right exponent is 4 at d = 0 and 32 at d = 1; sharper intervals hold less."""
+    d = rng.uniform(0, 1, (people * 20, 1))
+    away = np.log2(np.array(LADDER)) - (2 + 3 * d)
+    held = rng.random(len(d))[:, None] < np.clip(0.9 - 0.1 * away, 0, 1)
+    owners = [f"p{i % people}" for i in range(len(d))]
+    return ExponentScores(owners, d, 1 + away**2, 1 + away**2, held)
+
+
+def test_law_of_the_exponent_is_found_and_covers_a_new_person() -> None:
+    scores = scores_by_law(np.random.default_rng(3))
+    law, table = choose_law(scores)
+    assert law.column == 0
+    assert law.slope > 0.25
+    table = table.set_index("kind")
+    assert table.loc["law", "loss"] < table.loc["constant", "loss"]
+    assert table.loc["covering law", "coverage_90"] > table.loc["law", "coverage_90"]
+    walks = np.arange(len(scores.participants))
+    assert scores.covered[walks, law.rungs(scores.vectors)].mean() >= required_coverage(30) == pytest.approx(0.93)
+
+
+def test_nested_scores_of_a_participant_are_by_a_law_of_the_others() -> None:
+    """With two people who need opposite exponents, each is scored by what suits the other."""
+    sharp, flat = (1 + (np.log2(np.array(LADDER)) - right) ** 2 for right in (6.0, 0.0))
+    scores = np.stack([sharp, flat])
+    held = np.ones((2, len(LADDER)), bool)
+    given = ExponentScores(["a", "b"], np.zeros((2, 1)), scores, scores, held)
+    table = choose_law(given)[1].set_index("kind")
+    assert table.loc["constant", "crps_s"] == pytest.approx(1 + 36)
+
+
+def test_calibration_survives_its_file(tmp_path) -> None:
+    calibration = learn_calibration(evidence(20.0, 80, 0.1))[0]
+    write_calibration(calibration, tmp_path / "calibration.json")
+    assert read_calibration(tmp_path / "calibration.json") == calibration
+    (tmp_path / "other.json").write_text("{}")
+    with pytest.raises(InputError, match="not a calibration"):
+        read_calibration(tmp_path / "other.json")
 
 
 def study(seed: int = 5) -> tuple[Known, Asked, np.ndarray]:
@@ -170,7 +283,15 @@ def study(seed: int = 5) -> tuple[Known, Asked, np.ndarray]:
     wanted = rng.uniform(1, 4, (40, 2))
     times = asked.captured_s + rng.normal(0, 0.2, (3, 40))
     target = Asked(
-        asked.captured_s, wanted[:, 0], wanted, asked.participants, asked.suitability, *times, asked.traces, asked.distances_m
+        asked.captured_s,
+        wanted[:, 0],
+        wanted,
+        asked.participants,
+        asked.suitability,
+        asked.suitability,
+        *times,
+        asked.traces,
+        asked.distances_m,
     )
     return known, target, learned.volumes
 
@@ -178,8 +299,7 @@ def study(seed: int = 5) -> tuple[Known, Asked, np.ndarray]:
 def test_no_forecast_of_a_scenario_reads_the_captured_times() -> None:
     """The last walk's time changes: no forecast of any walk does, but the oracle's through its own input."""
     known, asked, volumes = study()
-    table = pd.concat([candidate_table(evidence(20.0, 80)), extended_table(evidence(20.0, 80))], ignore_index=True)
-    calibration = chosen(table)
+    calibration = learn_calibration(evidence(20.0, 80))[0]
     before = all_forecasts(known, asked, calibration, volumes)
     captured = asked.captured_s.copy()
     captured[-1] *= 3
@@ -217,7 +337,3 @@ def test_baselines_are_calibrated_where_their_assumptions_hold() -> None:
     spread = with_residuals([2.0], rng.normal(0.1, 0.2, 5000), 400)[0]
     assert spread.mean() == pytest.approx(2.1, abs=0.01)
     assert spread.std() == pytest.approx(0.2, abs=0.01)
-
-
-def test_residuals_are_of_the_median() -> None:
-    np.testing.assert_allclose(log_residuals(np.array([2.0]), np.array([[1.0, 1.0, 5.0]])), [np.log(2)])
