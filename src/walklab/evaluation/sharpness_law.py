@@ -41,8 +41,12 @@ class ExponentScores:
 
 
 def required_coverage(people: int) -> float:
-    """Share of training walks that a 90 % interval must hold to hold 90 % of a new person's."""
-    return min(NOMINAL * (people + 1) / people, 1.0)
+    """Share of training walks that a 90 % interval must hold to hold 90 % of a new person's.
+
+    Nine people or fewer can promise nothing, since it would have to hold all; then the nominal share itself is asked for.
+    """
+    asked = NOMINAL * (people + 1) / people
+    return asked if asked < 1 - 1e-9 else NOMINAL
 
 
 def laws_of(vectors: Array) -> list[SharpnessLaw]:
@@ -61,7 +65,7 @@ def choose_law(scores: ExponentScores) -> tuple[SharpnessLaw, pd.DataFrame]:
     Returns
     -------
     law : the smallest mean of CRPS and energy score, each relative to the best constant, among the laws that hold
-        :func:`required_coverage`; if none does, the one that holds most
+        :func:`required_coverage`; if none does, among those that hold most
     table : DataFrame[model, kind, crps_s, energy_m, coverage_90, loss], nested: every participant is scored by a law chosen
         without that participant's walks. Kinds: ``constant`` and ``law`` are chosen by the scores alone, ``covering constant``
         and ``covering law`` among what covers.
@@ -81,9 +85,8 @@ def choose_law(scores: ExponentScores) -> tuple[SharpnessLaw, pd.DataFrame]:
     def best(known: NDArray[np.bool_], among: NDArray[np.bool_], covering: bool) -> int:
         means = [values[:, known].mean(axis=1) for values in (crps, energy, covered)]
         loss = (means[0] / means[0][constant].min() + means[1] / means[1][constant].min()) / 2
-        allowed = among & (means[2] >= required_coverage(int(known.sum()))) if covering else among
-        if not allowed.any():
-            return int(np.argmax(np.where(among, means[2], -1)))
+        enough = min(required_coverage(int(known.sum())), float(means[2][among].max())) if covering else 0.0
+        allowed = among & (means[2] >= enough - 1e-9)
         return int(np.argmin(np.where(allowed, loss, np.inf)))
 
     everybody, every_law = np.ones(len(names), dtype=bool), np.ones(len(laws), dtype=bool)

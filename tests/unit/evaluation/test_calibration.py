@@ -243,6 +243,7 @@ def test_law_of_the_exponent_is_found_and_covers_a_new_person() -> None:
     table = table.set_index("kind")
     assert table.loc["law", "loss"] < table.loc["constant", "loss"]
     assert table.loc["covering law", "coverage_90"] > table.loc["law", "coverage_90"]
+    assert required_coverage(9) == required_coverage(3) == 0.9  # too few to promise anything
     walks = np.arange(len(scores.participants))
     assert scores.covered[walks, law.rungs(scores.vectors)].mean() >= required_coverage(30) == pytest.approx(0.93)
 
