@@ -26,7 +26,7 @@ def evaluate(
     """Claims (see :func:`walklab.multiverse.verdicts.verdicts`) with the specification's name and kind, and its outcome.
 
     The outcome is plain data: specification, outcome, reason (empty), walks of training and of each scenario, P_Stat's
-    optimum, the learned exponent, and P_Stat's and P_Prob's shares of simulated walks that did not arrive.
+    optimum, the learned exponent (its level), and P_Stat's and P_Prob's shares of simulated walks that did not arrive.
     """
     study = run_study(population, specification.choices, settings, ablate)
     found = verdicts(study, paper, settings.seed, settings.replicate, settings.bootstraps)

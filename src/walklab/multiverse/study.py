@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 from walklab.capture.walks import Walk
 from walklab.evaluation.ablations import ablated_models, ablation_table
 from walklab.evaluation.baselines import levels
-from walklab.evaluation.calibration import CANDIDATES, MEMBERS, best_value, candidate_table, choose_walks, evidence_of
+from walklab.evaluation.calibration import CANDIDATES, MEMBERS, candidate_table, choose_walks, evidence_of
 from walklab.evaluation.comparison import compare_models
-from walklab.evaluation.forecasts import CALIBRATED, STATIC, Forecast
+from walklab.evaluation.forecasts import CALIBRATED, STATIC, Forecast, sharpened
 from walklab.evaluation.grid_scores import grid_quantiles
 from walklab.evaluation.learned_baselines import with_residuals
 from walklab.evaluation.score_tables import walk_scores
@@ -35,7 +35,7 @@ from walklab.steering.dependencies import dependency_vectors
 from walklab.steering.metrics import metric_named
 from walklab.steering.models import AdaptiveModel, MotionModel, ProbabilisticModel, StaticModel
 from walklab.steering.routes import find_routes, pack
-from walklab.steering.sharpness import Sharpness, cell_volumes
+from walklab.steering.sharpness import SharpnessLaw, cell_volumes
 from walklab.steering.space import ParameterSpace
 from walklab.steering.static_fit import StaticFit, fit_static
 from walklab.steering.suitability import score_walks
@@ -142,7 +142,7 @@ def run_study(population: Population, choices: Choices, settings: StudySettings,
     )  # fmt: skip
     chosen = training_of(choices, settings)
     model = train(scores, indexed, known.participants, settings.space, chosen, draw("build_space"))
-    exponent, residuals_s = _calibrated(known, scores, model, static, planner, chosen, settings)
+    law, residuals_s = _calibrated(known, scores, model, static, planner, chosen, settings)
     models: dict[str, MotionModel] = {
         "P_Stat": StaticModel(static.names, static.optimum),
         "P_Adapt": AdaptiveModel(model),
@@ -167,11 +167,11 @@ def run_study(population: Population, choices: Choices, settings: StudySettings,
         for table, rows in found.items():
             tables.setdefault(table, {})[name] = rows
         simulated_s = trials[trials["model"] == "P_Stat"]["simulated_s"].to_numpy()
-        forecasts[name] = _scored(asked, model, exponent, with_residuals(simulated_s, residuals_s), planner, settings)
+        forecasts[name] = _scored(asked, model, law, with_residuals(simulated_s, residuals_s), planner, settings)
         if ablated and index == 0:  # section 8 is on the first scenario
             variants = simulate({"full": model, **ablated}, stream="P_Prob")
             others["ablations"] = ablation_table(variants, draw("ablate_parameters"), held, settings.bootstraps)
-    return Study({name: by_dataset(found) for name, found in tables.items()} | others, forecasts, static, exponent)
+    return Study({name: by_dataset(found) for name, found in tables.items()} | others, forecasts, static, law.level)
 
 
 def _planned(walks: list[Walk], planner: Planner, choices: Choices, settings: StudySettings) -> tuple[_Walks, pd.DataFrame]:
@@ -201,8 +201,8 @@ def _calibrated(
     planner: Planner,
     chosen: TrainingSettings,
     settings: StudySettings,
-) -> tuple[float, Array]:
-    """The exponent learned from training walks, and what P_Stat is off by on the same walks (s)."""
+) -> tuple[SharpnessLaw, Array]:
+    """The law of the exponent learned from training walks, and what P_Stat is off by on the same walks (s)."""
     rng = generator(settings.seed, settings.replicate, "calibrate_model")
     rows = choose_walks(known.participants, settings.calibration_walks, rng)
     follow = settings.standing, settings.time_limit_s
@@ -210,19 +210,19 @@ def _calibrated(
         known.walks, known.routes, known.vectors, scores, chosen.normalisation, model.blending, rows, planner, settings.space,
         *follow, chosen.k, chosen.weights, chosen.scaling,
     )  # fmt: skip
-    exponent = best_value(candidate_table(evidence, {"exponent": CANDIDATES["exponent"]}))
+    law = candidate_table(evidence, {"exponent": CANDIDATES["exponent"]})[1]
     optimum = np.tile(static.optimum, (len(rows), 1))
     times_s = travel_times(planner, [known.walks[row] for row in rows], known.routes, optimum, *follow)
-    return exponent, evidence.captured_s - times_s
+    return law, evidence.captured_s - times_s
 
 
 def _scored(
-    asked: _Walks, model: ProbabilisticModel, exponent: float, static_s: Array, planner: Planner, settings: StudySettings
+    asked: _Walks, model: ProbabilisticModel, law: SharpnessLaw, static_s: Array, planner: Planner, settings: StudySettings
 ) -> pd.DataFrame:
     """CRPS of every walk under P_Prob (calibrated) and P_Stat with residual spread."""
     traces, _ = trace_walks(asked.walks, asked.routes, planner, settings.space, settings.standing, settings.time_limit_s)
     captured_s = np.array([float(walk.row["duration_s"]) for walk in asked.walks])
-    density = Sharpness("exponent", exponent).density(model.blend(asked.vectors), cell_volumes(settings.space))
+    density = sharpened(model.blend(asked.vectors), law.exponents(asked.vectors), cell_volumes(settings.space))
     sharp = Forecast(grid_quantiles(traces.travel_s, density, levels(MEMBERS))[0])
     identity = pd.DataFrame({"walk": [walk.row["walk"] for walk in asked.walks], "participant": asked.participants})
     return walk_scores(captured_s, {STATIC: Forecast(static_s), CALIBRATED: sharp}, identity)
