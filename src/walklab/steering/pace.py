@@ -70,7 +70,9 @@ class PaceEffect:
         variance = np.asarray(sd, dtype=float) ** 2
         if self.people is None:
             return np.full(variance.shape, np.inf)
-        return np.asarray((variance + rest_sd**2) ** 2 * max(self.people - 1, 1) / np.maximum(variance**2, 1e-18))
+        total = variance + rest_sd**2
+        share = np.divide(variance, total, out=np.zeros_like(total), where=total > 0)
+        return np.asarray(max(self.people - 1, 1) / np.maximum(share, 1e-6) ** 2)
 
 
 def fit_pace(residuals: ArrayLike, participants: Sequence[str]) -> PaceEffect:

@@ -167,6 +167,8 @@ def test_few_people_leave_their_spread_uncertain_by_the_textbook() -> None:
     assert effect.freedom(effect.new_person_sd, 0.0) == pytest.approx(2)
     # Whose pace is known well has, beside it, only the walks' own spread.
     assert effect.freedom(0.01, 0.5) > 1e4
+    # However small the spread: degrees of freedom are a matter of shares.
+    assert effect.freedom(1e-7, 0.0) == pytest.approx(2)
     assert np.isinf(PaceEffect(0, 0.1, 0.1).freedom(0.1, 0.0))
 
 
