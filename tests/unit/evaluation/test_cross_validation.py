@@ -297,7 +297,7 @@ def test_example_of_own_walks_goes_through_the_whole_chain(tmp_path: Path) -> No
     write_walks(*tables, tmp_path / "walks.parquet", tmp_path / "samples.parquet")
     study = study_of(read_walks(tmp_path / "walks.parquet", tmp_path / "samples.parquet"))
     result = leave_one_subject_out(study, SETTINGS, OPTIONS, 1, 0)
-    assert len(result.scores) == 4 * 15
+    assert len(result.scores) == 4 * 16
     assert (result.scores["walks"] == 5).all()
     summary = result.summary.set_index("model")
     assert np.isfinite(summary[["median_abs_dt_s", "crps_s", "coverage_90"]].to_numpy(dtype=float)).all()
