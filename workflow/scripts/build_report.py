@@ -1,6 +1,6 @@
 """The report of the run: one self-contained page, and a PDF of figures and tables."""
 
-from dataclasses import replace
+import numpy as np
 
 from adapter import job
 from paper_inputs import whole_paper
@@ -21,12 +21,12 @@ from walklab.storage import read_json, read_table, write_text
 
 
 def maps_of(files, seed):
-    """The view of maps: the model as it was read, and, where there is one, with the exponent that was learned."""
+    """The view of maps: with the exponent of the model as it was read, and, where there is one, with what was learned."""
     model = read_model(files.model)
-    models = {"P_Prob": model}
+    sharpness = {"P_Prob": lambda points: np.full(len(points), model.exponent)}
     if "calibration" in files.keys():  # noqa: SIM118 (Snakemake's named list)
-        models["P_Prob (calibrated)"] = replace(model, exponent=read_calibration(files.calibration).exponent)
-    return map_lattice(models, generator(seed, 0, "build_report"))
+        sharpness["P_Prob (calibrated)"] = read_calibration(files.calibration).law.exponents
+    return map_lattice(model, sharpness, generator(seed, 0, "build_report"))
 
 
 def scenes_of(files, params):

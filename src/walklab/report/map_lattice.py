@@ -8,7 +8,8 @@ from __future__ import annotations
 
 import base64
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,7 @@ from walklab.steering.models import ProbabilisticModel
 from walklab.steering.space import ParameterSpace
 
 Array = NDArray[np.float64]
+Exponents = Callable[[Array], Array]
 
 POINTS = 600  # lattice points at most: about 0.8 MB of a page
 DRAWS = 40
@@ -51,47 +53,54 @@ def shown_grid(blended: Array, space: ParameterSpace) -> Array:
     return grid.reshape(*grid.shape, *(1,) * (SHOWN_AXES + 1 - grid.ndim))
 
 
-def map_lattice(models: Mapping[str, ProbabilisticModel], rng: np.random.Generator) -> dict[str, Any]:
+def map_lattice(model: ProbabilisticModel, sharpness: Mapping[str, Exponents], rng: np.random.Generator) -> dict[str, Any]:
     """Blended maps, draws and modes on the lattice, as plain data for the page.
 
     Parameters
     ----------
-    models : name -> model; they differ in the exponent alone and so share their blended maps
+    sharpness : name of a model -> its exponent for each of (W, D) dependency vectors, (W,); all share the blended maps
 
     Returns
     -------
     dict: ``dependencies`` and ``parameters`` (name, unit, values), ``maps`` (base64 bytes, points x cells, 255 is suitability 1),
-    ``inside`` (one 0 or 1 per point), ``modes`` (points x parameters) and ``models`` (name, exponent, ``draws``: points x draws x
-    parameters), both as base64 bytes in 1/255 of each parameter's range; the exponent does not move the mode
+    ``inside`` (one 0 or 1 per point), ``modes`` (points x parameters) and ``models`` (name, ``exponents`` by point, ``draws``:
+    points x draws x parameters), both as base64 bytes in 1/255 of each parameter's range; the exponent does not move the mode
     """
-    first = next(iter(models.values()))
-    axes = lattice_axes(first.blending.vectors)
+    axes = lattice_axes(model.blending.vectors)
     points = np.stack(np.meshgrid(*axes, indexing="ij"), axis=-1).reshape(-1, len(axes)) if axes else np.zeros((1, 0))
-    maps = shown_grid(first.blend(points), first.space)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", OutsideTrainingRange)  # said on the page, point by point
-        draws = {name: model.sample_batch(points, DRAWS, rng) for name, model in models.items()}
+    exponents = {name: rule(points) for name, rule in sharpness.items()}
     return {
         "dependencies": [
             {"name": name, "unit": unit, "values": [round(float(value), 4) for value in values]}
-            for name, unit, values in zip(first.dependencies, first.dependency_units, axes, strict=True)
+            for name, unit, values in zip(model.dependencies, model.dependency_units, axes, strict=True)
         ],
         "parameters": [
-            {"name": axis.name, "unit": axis.unit, "values": list(axis.values)} for axis in first.space.axes[:SHOWN_AXES]
+            {"name": axis.name, "unit": axis.unit, "values": list(axis.values)} for axis in model.space.axes[:SHOWN_AXES]
         ],
-        "maps": _bytes(maps),
-        "inside": "".join("1" if inside else "0" for inside in first.domain.inside(points)),
+        "maps": _bytes(shown_grid(model.blend(points), model.space)),
+        "inside": "".join("1" if inside else "0" for inside in model.domain.inside(points)),
         "draws": DRAWS,
-        "modes": _bytes(_share_of_range(first.mode(points), first.space)),
+        "modes": _bytes(_share_of_range(model.mode(points), model.space)),
         "models": [
             {
                 "name": name,
-                "exponent": model.exponent,
-                "draws": _bytes(_share_of_range(draws[name], model.space)),
+                "exponents": [round(float(value), 3) for value in values],
+                "draws": _bytes(_share_of_range(drawn(model, points, values, rng), model.space)),
             }
-            for name, model in models.items()
+            for name, values in exponents.items()
         ],
     }
+
+
+def drawn(model: ProbabilisticModel, points: Array, exponents: Array, rng: np.random.Generator) -> Array:
+    """(W, DRAWS, P) draws, each point with its own exponent."""
+    draws = np.empty((len(points), DRAWS, len(model.names)))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", OutsideTrainingRange)  # said on the page, point by point
+        for value in np.unique(exponents):
+            rows = exponents == value
+            draws[rows] = replace(model, exponent=float(value)).sample_batch(points[rows], DRAWS, rng)
+    return draws
 
 
 def _share_of_range(parameters: Array, space: ParameterSpace) -> Array:

@@ -19,7 +19,7 @@ from walklab.geometry.scene import Body, Scene, Task
 from walklab.planning.protocol import Arrival, Trajectory
 from walklab.report.contents import Contents, ReportFigure, ReportTable
 from walklab.report.io import read_figure
-from walklab.report.map_lattice import map_lattice
+from walklab.report.map_lattice import Exponents, map_lattice
 from walklab.report.shown_walks import scene_data
 from walklab.steering.blending_space import blending_space
 from walklab.steering.building import probabilistic_model
@@ -43,6 +43,11 @@ def small_model(
     maps = np.random.default_rng(4).random((len(vectors), len(space.cells)))
     blending = blending_space(names, units, vectors, maps, fit_scaling(vectors))
     return probabilistic_model(blending, space, k=min(8, len(vectors)), exponent=exponent)
+
+
+def constant(exponent: float) -> Exponents:
+    """The same exponent everywhere."""
+    return lambda points: np.full(len(points), exponent)
 
 
 @dataclass(frozen=True)
@@ -188,7 +193,7 @@ def figures(folder: Path) -> dict[str, ReportFigure]:
 def contents(folder: Path, run: str = "made_up") -> Contents:
     """Everything a synthetic run has, with names that would be markup if they were not escaped."""
     model = small_model()
-    models = {"P_Prob": model, "P_Prob (calibrated)": small_model(exponent=9.0)}
-    maps = map_lattice(models, np.random.default_rng(0))
+    sharpness = {"P_Prob": constant(1.0), "P_Prob (calibrated)": lambda points: np.where(points[:, 0] < 2, 4.0, 9.0)}
+    maps = map_lattice(model, sharpness, np.random.default_rng(0))
     scenes = [scene("scenario_1", HOSTILE), scene("scenario_2")]
     return Contents(record(run), PAPER, figures(folder), tables(claims()), maps, scenes)

@@ -5,9 +5,9 @@ import base64
 import figure_inputs
 import numpy as np
 import pytest
-from report_contents import scene, small_model, trials_of, walk
+from report_contents import constant, scene, small_model, trials_of, walk
 
-from walklab.report.map_lattice import DRAWS, POINTS, lattice_axes, map_lattice, shown_grid, steps_of
+from walklab.report.map_lattice import DRAWS, POINTS, drawn, lattice_axes, map_lattice, shown_grid, steps_of
 from walklab.report.shown_walks import FRAME_S, chosen
 from walklab.steering.space import Axis, ParameterSpace
 
@@ -22,7 +22,7 @@ def space_of(axes: int) -> ParameterSpace:
 
 def test_each_lattice_point_holds_the_models_own_map():
     model = small_model()
-    data = map_lattice({"P_Prob": model}, np.random.default_rng(0))
+    data = map_lattice(model, {"P_Prob": constant(model.exponent)}, np.random.default_rng(0))
     values = [axis["values"] for axis in data["dependencies"]]
     maps = decoded(data["maps"]).reshape(*map(len, values), -1)
     for at in ((0, 0, 0), (5, 3, 2), (11, 9, 4)):
@@ -32,7 +32,7 @@ def test_each_lattice_point_holds_the_models_own_map():
 
 def test_draws_and_modes_are_the_models_own():
     model = small_model(exponent=4.0)
-    data = map_lattice({"P_Prob": model}, np.random.default_rng(7))
+    data = map_lattice(model, {"P_Prob": constant(model.exponent)}, np.random.default_rng(7))
     points = np.stack(np.meshgrid(*lattice_axes(model.blending.vectors), indexing="ij"), axis=-1).reshape(-1, 3)
     low, high = model.space.bounds.T
     expected = model.sample_batch(points, DRAWS, np.random.default_rng(7))
@@ -41,6 +41,15 @@ def test_draws_and_modes_are_the_models_own():
     modes = low + decoded(data["modes"]).reshape(-1, 3) / 255 * (high - low)
     assert modes == pytest.approx(model.mode(points), abs=(high - low).max() * 0.5 / 255 + 1e-9)
     assert data["inside"] == "".join("01"[bool(each)] for each in model.domain.inside(points))
+
+
+def test_each_point_is_drawn_with_its_own_exponent():
+    model = small_model()
+    points = np.repeat(figure_inputs.vectors()[:2], 2, axis=0)
+    draws = drawn(model, points, np.array([1.0, 200.0, 1.0, 200.0]), np.random.default_rng(0))
+    blunt, sharp, blunt_too, sharp_too = (model.density(point, own).mean() for point, own in zip(points, draws, strict=True))
+    assert sharp > 1.2 * blunt
+    assert sharp_too > 1.2 * blunt_too
 
 
 @pytest.mark.parametrize("count", range(7))

@@ -25,7 +25,7 @@ function startMaps() {
     const triples = (bytes, first, number) => Array.from({ length: number }, (_, i) =>
       [0, 1, 2].map((axis) => (axis < used ? bytes[(first + i) * used + axis] / 255 : 0.5)));
     return {
-      shares: Float32Array.from(values, (value) => Math.pow(value / best, model.exponent)),
+      shares: Float32Array.from(values, (value) => Math.pow(value / best, model.exponents[point()])),
       best: best / 255,
       draws: triples(model.draws, point() * data.draws, data.draws),
       mode: triples(modes, point(), 1)[0],
@@ -40,7 +40,7 @@ function startMaps() {
       const text = (i) => axis.values[i].toFixed(2) + (axis.unit && axis.unit !== "1" ? " " + axis.unit : "");
       place.append(slider(symbolOf(axis.name), axis.values.length, state.at[index], text, (i) => { state.at[index] = i; draw(); }));
     });
-    const names = models.map((model) => model.name + ", exponent " + model.exponent);
+    const names = models.map((model) => model.name);
     place.append(chooser("Model", names, (i) => { state.model = i; draw(); }).field);
     const degrees = (value) => Math.round(value * 180 / Math.PI) + "°";
     const turns = Array.from({ length: 73 }, (_, i) => -Math.PI + i * Math.PI / 36);
@@ -61,7 +61,8 @@ function startMaps() {
     });
     const outside = data.inside[point()] === "1" ? "" : " Outside the range of the training walks: the nearest that are known answer.";
     document.getElementById("maps-readout").textContent =
-      "Highest point: " + mode.join(", ") + "; suitability of the best cell " + now.best.toFixed(2) + "." + outside;
+      "Highest point: " + mode.join(", ") + "; suitability of the best cell " + now.best.toFixed(2) +
+      "; exponent " + now.model.exponents[point()] + "." + outside;
   }
 
   function dragging(canvas) {
