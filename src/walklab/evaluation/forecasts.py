@@ -6,6 +6,7 @@ uses a person's *earlier* walks, and the resolution oracle, which reads the walk
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -86,6 +87,11 @@ class Asked:
     traces: Traces
     distances_m: NDArray[np.float32]
 
+    @functools.cached_property
+    def order(self) -> NDArray[np.int64]:
+        """(W, C) cells of each walk by ascending travel time: every score on the grid sorts by it."""
+        return np.argsort(self.traces.travel_s, axis=1, kind="stable")
+
 
 @dataclass(frozen=True)
 class Forecast:
@@ -147,8 +153,8 @@ def on_grid(asked: Asked, maps: Array, exponent: float | Array, volumes: Array) 
     """The forecast of the sharpened density over the cells; one exponent, or one per walk."""
     density = sharpened(maps, exponent, volumes)
     travel_s, places_m = asked.traces.travel_s, asked.traces.places_m
-    energy_m = grid_energy(asked.distances_m, density, places_m, travel_s)
-    return Forecast(grid_quantiles(travel_s, density, levels(MEMBERS))[0], energy_m)
+    energy_m = grid_energy(asked.distances_m, density, places_m, travel_s, asked.order)
+    return Forecast(grid_quantiles(travel_s, density, levels(MEMBERS), asked.order)[0], energy_m)
 
 
 def sharpened(maps: Array, exponents: float | Array, volumes: Array) -> Array:
@@ -166,6 +172,6 @@ def by_exponent(asked: Asked, exponents: Sequence[float], volumes: Array) -> pd.
     rows = []
     for value in exponents:
         density = Sharpness("exponent", value).density(asked.suitability, volumes)
-        scores = pd.Series(grid_crps(asked.traces.travel_s, density, asked.captured_s))
+        scores = pd.Series(grid_crps(asked.traces.travel_s, density, asked.captured_s, asked.order))
         rows.append({"value": value, "crps_s": scores.groupby(np.asarray(asked.participants)).mean().mean()})
     return pd.DataFrame(rows)
