@@ -36,7 +36,7 @@ OTHERS = """## Other products
 | file | what it holds |
 |---|---|
 | `score_maps/<shard>/maps.nc` | suitability maps: dimensions walk and one per steering parameter (`v`, `a`, `omega`), m_Euclid in metres, a coordinate per dependency |
-| `build_space/space.nc` | the blending space: the same with up-sampled entries, their parents and weights, and the scaling of the dependencies |
+| `build_space/blending_space.nc` | the blending space: the same with up-sampled entries, their parents and weights, and the scaling of the dependencies |
 | `results/<run>/model.safetensors` | the run-time model: see [model](model.md) |
 | `simulate_trials/<scenario>/trials.parquet` | a row per walk and model: drawn parameters, signed and absolute travel-time error (s), arrival, trajectory error (m), `inside_hull` |
 | `results/<run>/claims.csv` | a row per claim: id, section, statement, published, ours, `ours_low` and `ours_high` (95 %), verdict, note |
