@@ -17,6 +17,7 @@ from walklab.evaluation.subject_scores import OWN_MAP
 Array = NDArray[np.float64]
 
 COVERAGES = (50, 80, 90, 95)
+STATED = tuple(range(5, 100, 5))  # levels of the calibration curve, the above among them
 BINS = 10  # of the PIT histogram
 MEANS = ("crps_s", "energy_m", *(f"coverage_{level}" for level in COVERAGES), "width_90_s", "bias_s")
 HULLS = {"all": None, "inside": True, "outside": False}
@@ -32,9 +33,9 @@ def walk_scores(captured_s: Array, forecasts: Mapping[str, Forecast], walks: pd.
 
     Returns
     -------
-    DataFrame: the columns of ``walks``, model, captured_s, crps_s, energy_m (NaN without trajectories), coverage_50, ... (whether
-    the central interval holds the captured time), width_90_s, bias_s (forecast mean - captured), pit (mid-rank), draw_abs_dt_s
-    (median over the members of a single draw's ``|dt|``)
+    DataFrame: the columns of ``walks``, model, captured_s, crps_s, energy_m (NaN without trajectories), coverage_5 to coverage_95
+    (whether the closed central interval between Hazen's quantiles holds the captured time), width_90_s, bias_s (forecast mean -
+    captured), pit (mid-rank), draw_abs_dt_s (median over the members of a single draw's ``|dt|``)
     """
     frames = []
     for model, forecast in forecasts.items():
@@ -42,11 +43,11 @@ def walk_scores(captured_s: Array, forecasts: Mapping[str, Forecast], walks: pd.
         columns: dict[str, Any] = {"model": model, "captured_s": captured_s}
         columns["crps_s"] = ensemble_crps(captured_s, members)
         columns["energy_m"] = np.nan if forecast.energy_m is None else forecast.energy_m
-        for level in COVERAGES:
-            low, high = np.quantile(members, [0.5 - level / 200, 0.5 + level / 200], axis=1, method="hazen")
+        half = np.array(STATED) / 200
+        lows, highs = (np.quantile(members, at, axis=1, method="hazen") for at in (0.5 - half, 0.5 + half))
+        for level, low, high in zip(STATED, lows, highs, strict=True):
             columns[f"coverage_{level}"] = ((low <= captured_s) & (captured_s <= high)).astype(float)
-            if level == 90:
-                columns["width_90_s"] = high - low
+        columns["width_90_s"] = (highs - lows)[STATED.index(90)]
         observed = captured_s[:, None]
         columns["bias_s"] = members.mean(axis=1) - captured_s
         columns["pit"] = (members < observed).mean(axis=1) + 0.5 * (members == observed).mean(axis=1)
@@ -107,7 +108,7 @@ def information(model: str) -> str:
 
 
 def calibration_table(rows: pd.DataFrame) -> pd.DataFrame:
-    """Nominal against observed coverage, and the PIT histogram.
+    """Nominal against observed coverage, the same as in :func:`score_table`, and the PIT histogram.
 
     Returns
     -------
@@ -115,10 +116,7 @@ def calibration_table(rows: pd.DataFrame) -> pd.DataFrame:
     """
     tables = []
     for (scenario, model), group in rows[rows["model"] != OWN_MAP].groupby(["scenario", "model"], sort=False):
-        # The central interval of a level holds the captured time when the PIT lies within half of it from the middle.
-        away = 2 * np.abs(group["pit"].to_numpy() - 0.5)
-        stated = np.arange(0.05, 1.0, 0.05).round(2)
-        tables += [(scenario, model, "coverage", level, float((away <= level).mean())) for level in stated]
+        tables += [(scenario, model, "coverage", level / 100, float(group[f"coverage_{level}"].mean())) for level in STATED]
         share = np.histogram(group["pit"], BINS, (0, 1))[0] / len(group)
         tables += [(scenario, model, "pit", (i + 0.5) / BINS, value) for i, value in enumerate(share)]
     return pd.DataFrame(tables, columns=["scenario", "model", "quantity", "at", "value"])

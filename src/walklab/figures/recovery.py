@@ -17,6 +17,7 @@ from walklab.figures.style import (
     GREEN,
     MODEL_COLOURS,
     ORANGE,
+    OTHER_MODEL,
     SKY,
     letter,
     model_label,
@@ -30,14 +31,15 @@ from walklab.figures.style import (
 LINES: dict[str, tuple[str, str]] = {
     "uniform": (FAINT, "-"),
     "P_Prob (literal)": (MODEL_COLOURS["P_Prob"], "-"),
-    "P_Prob (calibrated)": (MODEL_COLOURS["P_Prob (calibrated)"], "-"),
+    "P_Prob (one exponent by the scores)": (OTHER_MODEL, "-"),
     "P_Prob (exponent nearest to the truth)": (SKY, "--"),
     "P_Prob, sharpened before blending": (ORANGE, "-"),
     "true parameters of the neighbours": (GREEN, ":"),
     "perfect sample": (BLACK, ":"),
 }
-DRAWN = ("P_Prob (literal)", "P_Prob (calibrated)", "P_Prob, sharpened before blending")
-BY_TASK = ("P_Prob (calibrated)", "P_Prob, sharpened before blending")
+DRAWN = ("P_Prob (literal)", "P_Prob (one exponent by the scores)", "P_Prob, sharpened before blending")
+# Model -> title of its panel, which has no room for the whole name.
+BY_TASK = {"P_Prob (one exponent by the scores)": "one exponent", "P_Prob, sharpened before blending": "sharpened first"}
 MARKERS = "os^v"  # of the parameters
 # Of a parameter, and of a density over it.
 UNITS = {"v": ("m/s", "s/m"), "a": ("m/s²", "s²/m"), "omega": ("1/m", "m")}
@@ -80,13 +82,9 @@ def fig_recovery(table: pd.DataFrame, densities: pd.DataFrame) -> Figure:
             letter(ax, row * len(measures) + column, _task_label(task))
             unit, per_unit = UNITS.get(name, UNKNOWN)
             ax.set(xlabel=f"{symbol(name)} ({unit})", ylabel=f"density ({per_unit})")
-        model = BY_TASK[row - 2]
+        model, title = list(BY_TASK.items())[row - 2]
         _by_task(panels[row, -1], meeting[meeting["model"] == model], names)
-        letter(
-            panels[row, -1],
-            row * len(measures) + len(names),
-            model_label(model).replace("sharpened before blending", "sharpened first"),
-        )
+        letter(panels[row, -1], row * len(measures) + len(names), title)
     handles, labels = panels[0, 0].get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside upper center", ncols=4)
     panels[2, 0].legend(loc="upper left", fontsize=6)

@@ -20,6 +20,12 @@ SCORES = {
     "bias_s": "bias (s)",
 }
 
+VARIANTS = (
+    "`P_Prob (literal)`, or `P_Prob` on real walks, is this file as it stands. `P_Prob (calibrated)` sharpens what it says of a "
+    "walk. `P_Prob (extended)` sharpens it too, may choose other neighbours, and adds a trend of the travel time and the pace of "
+    "people. `P_Prob without dependencies` is the sharpened mean of all its maps, the same for every walk."
+)
+
 SOURCES = {
     "synthetic": "**synthetic** walks, made by the generator of walklab; no person's movement is in it",
     "table": "captured walks from a table of the user's own",
@@ -135,8 +141,7 @@ def _scores(scores: pd.DataFrame) -> list[str]:
     lines = [_row([*keys, *(SCORES[name] for name in values)]), _row(["---"] * (len(keys) + len(values)))]
     table = shown[[*keys, *values]].itertuples(index=False)
     lines += [_row([cell if isinstance(cell, str) else _number(cell) for cell in row]) for row in table]
-    literal = "`P_Prob (literal)`, or `P_Prob` on real walks, is this file as it stands; the others change its sharpness."
-    return [*lines, "", literal]
+    return [*lines, "", VARIANTS]
 
 
 def _number(value: float | None) -> str:

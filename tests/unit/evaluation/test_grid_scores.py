@@ -77,3 +77,18 @@ def test_an_exactly_known_model_is_covered_as_often_as_it_says() -> None:
     assert stats.chisquare(pit * count).pvalue > 1e-3
     coverage = shares[shares["quantity"] == "coverage"]
     np.testing.assert_allclose(coverage["value"], coverage["at"], atol=0.03)
+
+
+def test_both_tables_state_the_same_coverage() -> None:
+    """Few members, some of which tie, and times on and between them: where definitions of an interval part."""
+    rng = np.random.default_rng(4)
+    members = rng.integers(0, 8, (300, 7)) / 2
+    captured = rng.integers(0, 16, 300) / 4
+    walks = pd.DataFrame({"walk": np.arange(300), "participant": np.arange(300) % 5, "inside_hull": True})
+    rows = walk_scores(captured, {"regression": Forecast(members)}, walks).assign(scenario="s")
+    scores = score_table(rows, rng, 20).query("hull == 'all'").iloc[0]
+    curve = calibration_table(rows).query("quantity == 'coverage'").set_index("at")["value"]
+    for level in (50, 80, 90, 95):
+        assert curve[level / 100] == pytest.approx(scores[f"coverage_{level}"], abs=1e-9)
+        low, high = (np.quantile(members, at, axis=1, method="hazen") for at in (0.5 - level / 200, 0.5 + level / 200))
+        assert curve[level / 100] == ((low <= captured) & (captured <= high)).mean()

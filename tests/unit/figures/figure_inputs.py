@@ -214,7 +214,7 @@ def recovered() -> pd.DataFrame:
         (walks, resolution, 0, task, model, measure, parameter, 0.3)
         for walks, resolution in ((100, 5), (300, 5), (100, 9))
         for task in ("straight_2.0", "turn_90_3.0")
-        for model in ("P_Prob (literal)", "P_Prob (calibrated)", "P_Prob, sharpened before blending")
+        for model in ("P_Prob (literal)", "P_Prob (one exponent by the scores)", "P_Prob, sharpened before blending")
         for measure, parameter in (("ks", "v"), ("ks", "a"), ("ks", "omega"), ("energy", "all"))
     ]
     names = ["walks", "resolution", "repetition", "task", "model", "measure", "parameter", "value"]

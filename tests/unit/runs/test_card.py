@@ -41,6 +41,8 @@ def test_training_domain_and_scores_are_on_it(model):
     assert "exponent 2, basis multilinear" in card
     assert "| scenario_1 | P_Prob (literal) | 0.25 | - |" in card
     assert "P_Stat" not in card
+    for variant in ("(literal)", "(calibrated)", "(extended)", "without dependencies"):
+        assert f"`P_Prob {variant}`" in card, "every variant that is scored is told apart from the file"
     assert "9" not in card.split("How it scored")[1].split("Not for")[0]
     assert "| height | m | 1." in card
 
