@@ -122,7 +122,7 @@ _TABLES = {
     },
     "scores": (
         first(rules.score_forecasts.output.scores),
-        "Proper scores of all forecasts, split by the training range",
+        "Proper scores of all forecasts (P_Stat and P_Adapt with residual spread), split by the training range",
     ),
     "sharpness": (
         first(rules.calibrate_model.output.candidates),

@@ -16,12 +16,14 @@ from numpy.typing import NDArray
 from walklab.evaluation.bootstrap import RESAMPLES, cluster_codes, cluster_counts, interval, resampled_sums
 from walklab.evaluation.forecasts import (
     ADAPTIVE,
+    BARE,
     CALIBRATED,
     EXTENDED,
     EXTENDED_EARLIER,
     GAUSSIAN_PROCESS,
     LITERAL,
     LOG_REGRESSION_EARLIER,
+    QUANTILE_REGRESSION,
     REGRESSION,
     STATIC,
 )
@@ -43,6 +45,11 @@ QUESTIONS = (
     (REGRESSION, EXTENDED),
     (GAUSSIAN_PROCESS, EXTENDED),
     (LOG_REGRESSION_EARLIER, EXTENDED_EARLIER),
+    (ADAPTIVE, CALIBRATED),
+    (BARE, CALIBRATED),
+    (QUANTILE_REGRESSION, CALIBRATED),
+    (GAUSSIAN_PROCESS, CALIBRATED),
+    (QUANTILE_REGRESSION, EXTENDED),
 )
 SIMULATIONS = 200
 

@@ -37,10 +37,19 @@ SHOWN = (
 DASHES = {"regression": (0, (4, 1.5)), "Gaussian process": (0, (1, 1.2)), "log regression, earlier walks": (0, (5, 1, 1, 1))}
 
 
+def forecast_name(model: str) -> str:
+    """A forecast's name as it is read: the two models that give one time have the spread of their training residuals here."""
+    return f"{model} with residual spread" if model in ("P_Stat", "P_Adapt") else model
+
+
 def line_of(model: str) -> dict[str, object]:
     """Colour and dashes of a model's line."""
     earlier = (0, (2, 1)) if model.startswith("P_") and "earlier" in model else "-"
     return {"color": colour(model), "ls": DASHES.get(model, earlier), "lw": 1.4 if model.startswith("P_Prob") else 1.0}
+
+
+def _tick(model: str) -> str:
+    return "best cell of own map (oracle)" if model == ORACLE else model_label(forecast_name(model))
 
 
 @styled
@@ -77,7 +86,7 @@ def fig_forecast_scores(table: pd.DataFrame) -> Figure:
         ax.grid(axis="x")
         letter(ax, index)
     panels[0].set_xlim(left=0)
-    panels[0].set_yticks(range(len(models)), ["best cell of own map (oracle)" if m == ORACLE else model_label(m) for m in models])
+    panels[0].set_yticks(range(len(models)), [_tick(model) for model in models])
     handles = [
         Line2D([], [], marker=markers[number % 4], color=BLACK, ls="none", ms=4, label=set_label(scenario))
         for number, scenario in enumerate(scenarios)
@@ -108,7 +117,7 @@ def fig_calibration(table: pd.DataFrame) -> Figure:
         for model in SHOWN:
             rows = coverage[(coverage["scenario"] == scenario) & (coverage["model"] == model)]
             if len(rows):
-                ax.plot(rows["at"], rows["value"], label=model_label(model), **line_of(model))
+                ax.plot(rows["at"], rows["value"], label=model_label(forecast_name(model)), **line_of(model))
         ax.set(xlim=(0, 1), ylim=(0, 1), xlabel="nominal coverage (1)", ylabel="observed coverage (1)", aspect="equal")
         letter(ax, index, set_label(scenario))
     figure.legend(handles=panels[0].get_lines()[1:], loc="outside lower center", ncols=4)
@@ -150,7 +159,8 @@ def fig_pit(table: pd.DataFrame) -> Figure:
             ax.axhline(1, color=BLACK, lw=0.7, ls=(0, (3, 2)))
             ax.set(xlim=(0, 1), xticks=[0, 1])
             if row == 0:
-                ax.set_title(model_label(model).replace(" (", "\n(").replace(", earlier", ",\nearlier"), loc="center", fontsize=6)
+                title = model_label(forecast_name(model)).replace(" with", "\nwith")
+                ax.set_title(title.replace(" (", "\n(").replace(", earlier", ",\nearlier"), loc="center", fontsize=6)
             if column == 0:
                 ax.set_ylabel(f"{set_label(scenario)}\ndensity (1)")
     figure.supxlabel("probability integral transform of the captured travel time (1)", fontsize=7)

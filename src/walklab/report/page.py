@@ -21,6 +21,7 @@ from walklab.figures.claims import VERDICTS
 from walklab.figures.pages import number_text
 from walklab.figures.style import MODEL_COLOURS, OTHER_MODEL
 from walklab.report.contents import Contents
+from walklab.report.findings import forecast_findings, realism_findings
 from walklab.report.published import Comparison, beside_figure, beside_table, claimed, published_text
 from walklab.report.sections import SECTIONS, Section, figure_title, placed, tables_of
 from walklab.report.tables import Table, descriptions, medians, table_of, verdict_counts, with_interval
@@ -84,6 +85,8 @@ def render(contents: Contents) -> str:
             present=set(frames) | set(contents.figures),
             medians=medians(descriptions(frames), contents.paper) if contents.paper else [],
             verdicts=verdict_counts(frames.get("claims"), list(VERDICTS)),
+            forecast_findings=forecast_findings(frames.get("scores"), frames.get("tests")),
+            realism_findings=realism_findings(frames.get("realism")),
             marks=VERDICT_MARKS,
             long_table=LONG_TABLE,
             wide_table=WIDE_TABLE,

@@ -1,0 +1,138 @@
+"""What the tables of forecasts and of realism say, in plain sentences: who wins, by how much, and what is unlike real walks."""
+
+from __future__ import annotations
+
+from collections.abc import Hashable
+from typing import Any
+
+import pandas as pd
+
+from walklab.evaluation.forecasts import (
+    ADAPTIVE,
+    BARE,
+    CALIBRATED,
+    CLIMATOLOGY,
+    EXTENDED,
+    EXTENDED_EARLIER,
+    GAUSSIAN_PROCESS,
+    LOG_REGRESSION_EARLIER,
+    QUANTILE_REGRESSION,
+    REGRESSION,
+    STATIC,
+)
+from walklab.figures.forecasts import forecast_name
+
+Row = dict[Hashable, Any]
+
+BASELINES = (STATIC, ADAPTIVE, BARE, CLIMATOLOGY, REGRESSION, QUANTILE_REGRESSION, GAUSSIAN_PROCESS)
+GOAL_LOW, GOAL_HIGH = 0.86, 0.94  # of a 90 % interval: set before any scenario was scored
+
+
+def forecast_findings(scores: pd.DataFrame | None, tests: pd.DataFrame | None) -> list[str]:
+    """Which baseline is best in each scenario, how the learned models stand to it, and what the 90 % intervals hold.
+
+    Parameters
+    ----------
+    scores : of :func:`walklab.evaluation.score_tables.score_table`; another table, or none, gives no sentence
+    tests : of :func:`walklab.evaluation.paired_tests.pair_table`; a pair that it lacks is told without its difference
+    """
+    if scores is None or not {"scenario", "hull", "model", "crps_s", "coverage_90", "bias_s"} <= set(scores):
+        return []
+    found = []
+    scenarios = _by_scenario(scores)
+    for scenario, rows in scenarios.items():
+        if CALIBRATED not in rows or not set(BASELINES) & set(rows):
+            continue
+        best = min((name for name in BASELINES if name in rows), key=lambda name: rows[name]["crps_s"])
+        learned = [name for name in (CALIBRATED, EXTENDED) if name in rows]
+        opening = (
+            f"{_words(scenario)}: the best baseline that knows only the task is {forecast_name(best)} (CRPS {_crps(rows[best])})"
+        )
+        sentences = [f"{name} has {_crps(rows[name])}{_against(tests, scenario, rows, best, name)}" for name in learned]
+        leans = [f"{rows[name]['bias_s']:+.2f} s ({forecast_name(name)})" for name in (best, *learned)]
+        found.append(". ".join([opening, *sentences, f"Mean forecast minus captured time: {', '.join(leans)}."]))
+    return found + _informed(scenarios, tests) + _coverage(scenarios)
+
+
+def _by_scenario(scores: pd.DataFrame) -> dict[str, dict[str, Row]]:
+    """Scenario -> model -> its scores over all walks."""
+    found: dict[str, dict[str, Row]] = {}
+    for row in scores[scores["hull"] == "all"].to_dict("records"):
+        found.setdefault(str(row["scenario"]), {})[str(row["model"])] = row
+    return found
+
+
+def _informed(scenarios: dict[str, dict[str, Row]], tests: pd.DataFrame | None) -> list[str]:
+    ours, other = EXTENDED_EARLIER, LOG_REGRESSION_EARLIER
+    parts = []
+    for scenario, rows in scenarios.items():
+        if ours in rows and other in rows:
+            both = f"{_crps(rows[ours])} in {_words(scenario).lower()} against {_crps(rows[other])}"
+            parts.append(both + _against(tests, scenario, rows, other, ours))
+    return [f"With the person's earlier walks, {EXTENDED} and the regression of log T: {'; '.join(parts)}."] if parts else []
+
+
+def _coverage(scenarios: dict[str, dict[str, Row]]) -> list[str]:
+    parts = []
+    for scenario, rows in scenarios.items():
+        if CALIBRATED in rows:
+            share = rows[CALIBRATED]["coverage_90"]
+            place = "inside" if GOAL_LOW <= share <= GOAL_HIGH else "outside"
+            parts.append(f"{100 * share:.1f} % of the walks of {_words(scenario).lower()} ({place})")
+    goal = f"the goal is {100 * GOAL_LOW:.0f} to {100 * GOAL_HIGH:.0f} %"
+    return [f"The 90 % interval of {CALIBRATED} holds {' and '.join(parts)}; {goal}."] if parts else []
+
+
+def _crps(row: Row) -> str:
+    return f"{row['crps_s']:.3f} s [{row['crps_s_low']:.3f}, {row['crps_s_high']:.3f}]"
+
+
+def _against(tests: pd.DataFrame | None, scenario: str, rows: dict[str, Row], first: str, second: str) -> str:
+    """By how much the second is better or worse than the first, with its interval where the pair was tested."""
+    gain = rows[first]["crps_s"] - rows[second]["crps_s"]
+    text = f", {'better' if gain > 0 else 'worse'} by {abs(gain):.3f} s"
+    if tests is None:
+        return text
+    asked = {"scenario": scenario, "hull": "all", "first": first, "second": second}
+    found = [row for row in tests.to_dict("records") if all(row[name] == value for name, value in asked.items())]
+    if len(found) != 1:
+        return text
+    ends = (found[0]["mean_difference_s_low"], found[0]["mean_difference_s_high"])
+    low, high = ends if gain > 0 else (-ends[1], -ends[0])
+    zero = "excludes" if low > 0 else "includes"
+    p = f"p after Holm, by participants' means: {found[0]['p_participants_holm']:.2g}"
+    return f"{text} [{low:.3f}, {high:.3f}], which {zero} zero ({p})"
+
+
+def _words(scenario: object) -> str:
+    return str(scenario).replace("_", " ").capitalize()
+
+
+def realism_findings(realism: pd.DataFrame | None) -> list[str]:
+    """How far the medians of the walks of the run are from those of recordings; of the distances that were recorded."""
+    if realism is None or "quantity" not in realism:
+        return []
+    # Neither the subjects with spikes nor a part of the walks, which have sources of their own with a comma in them.
+    rows = realism[(realism["n_recorded"] > 0) & ~realism["source"].str.contains(",")]
+    ratios = {str(name): part["recorded_median"] / part["synthetic_median"] for name, part in rows.groupby("quantity")}
+    found = []
+    paths = {"lateral_excursion": "lateral excursion", "excess_length": "excess length", "curvature": "curvature"}
+    parts = [f"{words} {_times(ratios[name])}" for name, words in paths.items() if name in ratios]
+    if parts:
+        found.append(f"Paths: the median of the recorded people is, by distance, that of these walks times: {', '.join(parts)}.")
+    speeds = {
+        "peak_speed": "peak speed",
+        "speed_swing": "swing of speed within a step",
+        "lateral_sway": "lateral sway",
+        "rise_time": "time to get going",
+        "fall_time": "time to slow down (one person)",
+    }
+    parts = [f"{words} {_times(ratios[name])}" for name, words in speeds.items() if name in ratios]
+    if parts:
+        found.append(f"Speeds, likewise: {', '.join(parts)}.")
+    return found
+
+
+def _times(ratios: pd.Series) -> str:
+    low, high = f"{ratios.min():.2g}", f"{ratios.max():.2g}"
+    return low if low == high else f"{low} to {high}"

@@ -1,0 +1,78 @@
+"""The sentences name whom the tables name, with the tables' numbers."""
+
+import pandas as pd
+import pytest
+
+from walklab.report.findings import forecast_findings, realism_findings
+
+
+def scores(calibrated: float = 0.3, coverage: float = 0.85) -> pd.DataFrame:
+    values = {"P_Stat": 0.25, "Gaussian process": 0.2, "P_Prob (calibrated)": calibrated, "P_Prob (extended)": 0.15}
+    values |= {
+        "P_Prob (extended), earlier walks": 0.08,
+        "log regression, earlier walks": 0.07,
+        "best cell of the walk's own map": 0.01,
+    }
+    rows = [("scenario_1", "all", name, crps, crps - 0.01, crps + 0.01, coverage) for name, crps in values.items()]
+    rows += [("scenario_1", "inside", "P_Stat", 0.001, 0.0, 0.1, 0.9)]  # a part of the walks: not asked
+    names = ["scenario", "hull", "model", "crps_s", "crps_s_low", "crps_s_high", "coverage_90"]
+    return pd.DataFrame(rows, columns=names).assign(bias_s=lambda table: table["crps_s"] - 0.22)
+
+
+def pairs(low: float, high: float) -> pd.DataFrame:
+    names = ["scenario", "hull", "first", "second", "mean_difference_s", "mean_difference_s_low", "mean_difference_s_high"]
+    row = ("scenario_1", "all", "Gaussian process", "P_Prob (calibrated)", -0.1, low, high)
+    return pd.DataFrame([row], columns=names).assign(p_participants_holm=0.25)
+
+
+def test_the_winner_is_named_with_the_difference_and_its_interval():
+    first, *_ = forecast_findings(scores(), pairs(-0.17, -0.02))
+    assert "best baseline that knows only the task is Gaussian process (CRPS 0.200 s [0.190, 0.210])" in first
+    assert "P_Prob (calibrated) has 0.300 s [0.290, 0.310], worse by 0.100 s [0.020, 0.170], which excludes zero" in first
+    assert "means: 0.25)" in first
+    assert "captured time: -0.02 s (Gaussian process), +0.08 s (P_Prob (calibrated)), -0.07 s (P_Prob (extended))." in first
+    assert "P_Prob (extended) has 0.150 s [0.140, 0.160], better by 0.050 s." in first  # no such pair was tested
+
+
+def test_an_interval_across_zero_is_said_to_be_so():
+    assert "worse by 0.100 s [-0.010, 0.170], which includes zero" in forecast_findings(scores(), pairs(-0.17, 0.01))[0]
+
+
+def test_a_model_that_wins_is_better():
+    assert "better by 0.100 s [0.020, 0.170], which excludes zero" in forecast_findings(scores(0.1), pairs(0.02, 0.17))[0]
+
+
+def test_a_model_of_one_time_has_the_spread_of_its_residuals():
+    without = scores().query("model != 'Gaussian process'")
+    assert "is P_Stat with residual spread (CRPS 0.250 s" in forecast_findings(without, None)[0]
+
+
+@pytest.mark.parametrize(("coverage", "place"), [(0.85, "outside"), (0.86, "inside"), (0.94, "inside"), (0.95, "outside")])
+def test_coverage_is_held_against_the_goal(coverage, place):
+    text = forecast_findings(scores(coverage=coverage), None)[-1]
+    assert f"{100 * coverage:.1f} % of the walks of scenario 1 ({place}); the goal is 86 to 94 %" in text
+
+
+def test_those_who_know_the_person_are_compared_with_their_like():
+    text = forecast_findings(scores(), None)[1]
+    assert "0.080 s [0.070, 0.090] in scenario 1 against 0.070 s [0.060, 0.080], worse by 0.010 s" in text
+
+
+def test_another_table_says_nothing():
+    assert forecast_findings(None, None) == []
+    assert forecast_findings(pd.DataFrame({"model": ["P_Stat"], "crps": [1.0]}), None) == []
+    assert realism_findings(None) == []
+
+
+def test_realism_tells_the_ratios_of_the_medians():
+    names = ["quantity", "synthetic_median", "recorded_median", "n_recorded", "source"]
+    rows = [
+        ("excess_length", 0.1, 1.9, 10, "A"),
+        ("excess_length", 0.2, 1.4, 10, "A"),
+        ("excess_length", 0.2, 9.0, 10, "A, within 10 degrees"),
+        ("excess_length", 0.2, float("nan"), 0, "A"),
+        ("fall_time", 0.85, 2.04, 1, "B"),
+    ]
+    paths, speeds = realism_findings(pd.DataFrame(rows, columns=names))
+    assert paths.endswith("excess length 7 to 19.")
+    assert speeds == "Speeds, likewise: time to slow down (one person) 2.4."
