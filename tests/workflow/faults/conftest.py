@@ -113,7 +113,7 @@ class Study:
 
 def chain(files: dict[str, str]) -> dict[str, str]:
     """The files of the stages that are run."""
-    return {name: found for name, found in files.items() if Path(name).parts[1] in STAGES}
+    return {name: found for name, found in files.items() if not set(STAGES).isdisjoint(Path(name).parts)}
 
 
 @pytest.fixture
