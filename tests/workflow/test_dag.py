@@ -69,6 +69,13 @@ def test_the_whole_study_leaves_every_figure_table_and_record(finished):
     claims = pd.read_csv(results / "claims.csv")
     assert {"id", "section", "statement", "published", "ours", "verdict", "note"} <= set(claims)
     assert len(claims) > 50
+    scores, calibration = pd.read_csv(results / "scores.csv"), pd.read_csv(results / "calibration.csv")
+    assert {"scenario", "hull", "model", "crps_s", "coverage_90", "pit_distance"} <= set(scores)
+    assert {"P_Stat", "P_Prob (literal)", "P_Prob (calibrated)", "P_Prob (extended)", "regression"} <= set(scores["model"])
+    assert {"coverage", "pit", "crps_by_exponent"} <= set(calibration["quantity"])
+    for name in ("scores", "calibration", "pit"):
+        for suffix in ("svg", "png"):
+            assert (results / f"figures/{name}.{suffix}").stat().st_size > 5_000
     assert "<h1>" in (results / "report.html").read_text()
     run = json.loads((results / "run.json").read_text())
     stages = {stage["stage"] for stage in run["stages"]}
@@ -91,6 +98,57 @@ def test_one_core_and_four_shards_give_the_same_data_as_two_and_two(finished, pr
             for one in (finished, project)
         )
         pd.testing.assert_frame_equal(first.reset_index(drop=True), second.reset_index(drop=True), check_exact=True)
+
+
+# What is learned, and all that it may be learned from.
+LEARNED = ("build_space", "fit_static", "calibrate_model", "train_model")
+OF_TRAINING = {"draw_participants", "record_training", "extract_training", "plan_training", "score_maps", *LEARNED}
+
+
+def history(project) -> dict[str, tuple[str, list[str]]]:
+    """Product -> its rule and the files that were read for it, as Snakemake has recorded them."""
+    lines = [line.split("\t") for line in project.run("--detailed-summary", *TINY).splitlines()]
+    head = next(line for line in lines if line[0] == "output_file")
+    rows = [dict(zip(head, line, strict=True)) for line in lines if len(line) == len(head) and line is not head]
+    return {row["output_file"]: (row["rule"], row["input-file(s)"].split(",")) for row in rows}
+
+
+def behind(made: dict[str, tuple[str, list[str]]], rules: tuple[str, ...]) -> set[str]:
+    """Every file that the products of some rules go back to."""
+    waiting, found = [file for rule, files in made.values() if rule in rules for file in files], set()
+    while waiting:
+        file = waiting.pop()
+        if file not in found:
+            found.add(file)
+            waiting += made[file][1] if file in made else []
+    return found
+
+
+def test_nothing_that_is_learned_goes_back_to_experiment_2(finished):
+    made = history(finished)
+    assert {rule for rule, _ in made.values()} >= set(LEARNED)
+    learned_from = behind(made, LEARNED)
+    assert {made[file][0] for file in learned_from if file in made} <= OF_TRAINING
+    assert not [file for file in learned_from if "scenario" in file]
+    assert [file for file in behind(made, ("score_forecasts",)) if "extract_scenario" in file], "else nothing would be found"
+
+
+def test_what_is_learned_is_the_same_with_junk_in_place_of_experiment_2(finished_copy):
+    base = finished_copy.folder / "results/tiny/0"
+    learned = {f"0/{rule}" for rule in LEARNED}
+    of_learned = lambda: {  # noqa: E731
+        name: digest for name, digest in finished_copy.checksums().items() if name.rpartition("/")[0] in learned
+    }
+    before, logs = of_learned(), {rule: (base / rule / "log.txt").stat().st_mtime_ns for rule in LEARNED}
+    assert {"0/calibrate_model/calibration.json", "0/train_model/model.safetensors"} <= set(before)
+    junk = [path for stage in ("record", "extract", "plan") for path in (base / f"{stage}_scenario").rglob("*.parquet")]
+    assert len(junk) >= 6
+    for path in junk:
+        path.write_bytes(b"junk")
+    targets = [f"results/tiny/{name}" for name in before if "calibration.json" in name or "model.safetensors" in name]
+    finished_copy.run(*targets, "--cores", "2", *TINY, "--forcerun", *LEARNED)
+    assert all((base / rule / "log.txt").stat().st_mtime_ns > logs[rule] for rule in LEARNED), "each was run again"
+    assert of_learned() == before
 
 
 def test_nothing_is_left_to_do_after_a_run(finished_copy):
