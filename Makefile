@@ -55,6 +55,7 @@ recovery: .venv/ready
 
 multiverse: .venv/ready
 	$(SNAKEMAKE) multiverse
+	$(SNAKEMAKE) multiverse --report results/multiverse/snakemake_report.zip
 
 # One call, the longest files first: while a test of the DAG waits for a job, another worker uses the other core.
 test: .venv/ready .venv/tracking .venv/validator/ready

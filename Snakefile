@@ -13,9 +13,9 @@ include: "workflow/rules/verdicts.smk"
 include: "workflow/rules/figures.smk"
 include: "workflow/rules/replicates.smk"
 include: "workflow/rules/recovery.smk"
+include: "workflow/rules/multiverse.smk"
 include: "workflow/rules/record.smk"
 include: "workflow/rules/report.smk"
-include: "workflow/rules/multiverse.smk"
 
 
 report: "workflow/report/workflow.rst"
@@ -26,11 +26,12 @@ rule all:
     input:
         PRODUCTS,
         f"{RUN}/run.json",
-        # The page shows one population; many have their tables and figures.
-        [] if REPLICATED else rules.build_report.output,
+        # The page shows one population; many, or planner walks, have their tables and figures.
+        [] if REPLICATED or RECOVERED else rules.build_report.output,
 
 
 rule recovery:
     input:
         rules.recover_distribution.output.recovery,
         rules.draw_recovery.output,
+        f"{RUN}/run.json" if RECOVERED else [],

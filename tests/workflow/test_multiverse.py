@@ -5,6 +5,9 @@ import shutil
 import pandas as pd
 import pytest
 
+from walklab.runs.comparison import compare
+from walklab.runs.io import read_record
+
 pytestmark = pytest.mark.workflow
 
 ARGUMENTS = ("multiverse", "--configfile", "tests/workflow/tiny.yaml")
@@ -30,6 +33,15 @@ def test_the_multiverse_contains_the_study_and_resumes(finished_copy):
         other = claims[claims["specification"] == name].set_index("claim")["ours"]
         assert not other.equals(own["ours"].reindex(other.index)), f"{name} changed nothing"
     assert (folder / "figures/specification_curve.svg").stat().st_size > 5_000
+
+    record = read_record(folder)
+    assert record["run"] == "multiverse"
+    assert {stage["part"] for stage in record["stages"] if stage["stage"] == "evaluate_specification"} == set(
+        specifications["specification"]
+    )
+    assert {"claims.csv", "specifications.csv", "summary.csv", "figures/specification_curve.svg"} == set(record["products"])
+    other = compare(read_record(finished_copy.folder / "results/tiny"), record)
+    assert other.config.empty, "the same configuration"
 
     before = finished_copy.checksums()
     shutil.rmtree(folder / "evaluate_specification/turn_exponent-low")

@@ -76,6 +76,8 @@ PAPER = shipped("config/papers/agethen_steering.yaml")
 REPLICATES = range(CONFIG["replicates"])
 # Several populations: claims and scores over all of them instead of the figures of one.
 REPLICATED = CONFIG["replicates"] > 1
+# A run of this name is that study alone (config/recovery.yaml).
+RECOVERED = CONFIG["run"] == "recovery"
 SHARDS = range(CONFIG["shards"])
 SCENARIOS = list(CONFIG["scenarios"])
 
@@ -196,14 +198,3 @@ def page(name):
         category="Tables",
         labels={"table": TABLE_TITLES[name], **WALKED},
     )
-
-
-def benchmarks(wildcards, input):
-    """Benchmark files of every job of this configuration; an earlier one may have left others."""
-    parts = {str(number) for number in SHARDS} | set(SCENARIOS)
-    found = [
-        path
-        for replicate in REPLICATES
-        for path in Path(f"{RUN}/{replicate}").rglob("benchmark.tsv")
-    ]
-    return sorted(str(path) for path in found if set(path.parts[4:-1]) <= parts)

@@ -11,6 +11,12 @@ from walklab.randomness import generator
 MULTIVERSE = (
     "results/multiverse" if CONFIG["run"] == "steering" else f"{RUN}/multiverse"
 )
+MULTIVERSE_PRODUCTS = [
+    f"{MULTIVERSE}/claims.csv",
+    f"{MULTIVERSE}/specifications.csv",
+    f"{MULTIVERSE}/summary.csv",
+    f"{MULTIVERSE}/figures/specification_curve.svg",
+]
 # How the configuration reads what the paper leaves open.
 BASELINE = {
     "normalisation": CONFIG["blending_space"]["normalisation"],
@@ -100,10 +106,8 @@ wildcard_constraints:
 
 rule multiverse:
     input:
-        f"{MULTIVERSE}/claims.csv",
-        f"{MULTIVERSE}/specifications.csv",
-        f"{MULTIVERSE}/summary.csv",
-        f"{MULTIVERSE}/figures/specification_curve.svg",
+        MULTIVERSE_PRODUCTS,
+        f"{MULTIVERSE}/run.json",
 
 
 rule list_specifications:
@@ -189,7 +193,11 @@ rule collect_specifications:
     output:
         claims=f"{MULTIVERSE}/claims.csv",
         specifications=f"{MULTIVERSE}/specifications.csv",
-        summary=f"{MULTIVERSE}/summary.csv",
+        summary=report(
+            f"{MULTIVERSE}/summary.csv",
+            caption="../report/table.rst",
+            category="Tables",
+        ),
     log:
         f"{MULTIVERSE}/collect_specifications/log.txt",
     benchmark:
@@ -205,7 +213,11 @@ rule draw_specification_curve:
         claims=rules.collect_specifications.output.claims,
         specifications=rules.collect_specifications.output.specifications,
     output:
-        f"{MULTIVERSE}/figures/specification_curve.svg",
+        report(
+            f"{MULTIVERSE}/figures/specification_curve.svg",
+            caption="../report/specification_curve.rst",
+            category="Multiverse",
+        ),
         f"{MULTIVERSE}/figures/specification_curve.png",
     log:
         f"{MULTIVERSE}/draw_specification_curve/log.txt",

@@ -47,7 +47,28 @@ REAL = [
     f"{RUN}/figures/fig06.svg",
     f"{RUN}/model_card.md",
 ]
+# Self-consistency, by planner walks alone.
+RECOVERY = [
+    rules.recover_distribution.output.recovery,
+    *rules.draw_recovery.output,
+]
 PRODUCTS = (POPULATIONS if REPLICATED else STEERING) if SYNTHETIC else REAL
+PRODUCTS = RECOVERY if RECOVERED else PRODUCTS
+# Folder -> what its record is of.
+RECORDED = {RUN: PRODUCTS, MULTIVERSE: MULTIVERSE_PRODUCTS}
+
+
+def benchmarks(wildcards, input):
+    """Benchmark files of every job of this configuration; an earlier one may have left others."""
+    folder = wildcards.folder
+    roots = [f"{RUN}/{number}" for number in REPLICATES] if folder == RUN else [folder]
+    parts = {*map(str, SHARDS), *SCENARIOS, *SPECIFICATIONS}
+    return sorted(
+        str(path)
+        for root in roots
+        for path in Path(root).rglob("benchmark.tsv")
+        if set(path.relative_to(root).parts[1:-1]) <= parts
+    )
 
 
 if SYNTHETIC and not REPLICATED:
@@ -115,18 +136,20 @@ rule describe_model:
 
 rule record_run:
     input:
-        PRODUCTS,
+        lambda wildcards: RECORDED[wildcards.folder],
     output:
-        record=f"{RUN}/run.json",
+        record="{folder}/run.json",
     log:
-        first(stage("record_run", "log.txt")),
+        "{folder}/record_run/log.txt",
+    wildcard_constraints:
+        folder="|".join(RECORDED),
     params:
         code=code("record_run.py"),
         config=CONFIG,
         root=os.path.relpath(ROOT),
         benchmarks=benchmarks,
         digests=lambda wildcards: dict(CODE),
-        folder=RUN,
+        folder=lambda wildcards: wildcards.folder,
     script:
         "../scripts/record_run.py"
 
@@ -141,5 +164,7 @@ onstart:
 
 
 onsuccess:
-    page = "" if REPLICATED else f"The report is {RUN}/report.html; all"
-    print(f"{page or 'All'} results are in {RUN}/.")
+    if not workflow.dag_settings.targets and not (REPLICATED or RECOVERED):
+        print(f"The report is {RUN}/report.html.")
+    folder = MULTIVERSE if "multiverse" in workflow.dag_settings.targets else RUN
+    print(f"All results are in {folder}/.")

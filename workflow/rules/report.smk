@@ -41,7 +41,7 @@ rule build_report:
     input:
         RESULTS,
         **(_SCENES if SYNTHETIC else {}),
-        record=rules.record_run.output.record,
+        record=f"{RUN}/run.json",
         model=first(rules.train_model.output.model),
         tables=[file for file, _ in REPORT_TABLES.values()],
         captions=[about["caption"] for about in shown_figures().values()],

@@ -36,20 +36,20 @@ def record(
     ----------
     config : the completed configuration
     root : the checkout
-    benchmarks : Snakemake's benchmark file of every job, ``.../<replicate>/<stage>/[<part>/]benchmark.tsv``
+    benchmarks : Snakemake's benchmark file of every job, ``<folder>/[<replicate>/]<stage>/[<part>/]benchmark.tsv``
     code : digest of what each script of the workflow computes with
     products : files the run was made for; ``claims.csv`` and ``scores.csv`` among them are kept in brief
-    folder : the run's folder, ``results/<run>``
+    folder : the run's folder, ``results/<run>``; its last part names the run
 
     Returns
     -------
     dict with run, recorded (UTC), seed, config, commit, code, versions, machine, claims, scores, products (SHA-256 by
     path below the folder), stages (wall time and peak memory of each job) and totals
     """
-    stages = [stage_cost(path) for path in sorted(benchmarks)]
+    stages = [stage_cost(path, folder) for path in sorted(benchmarks)]
     inside = sorted(path for path in map(Path, products) if path.is_relative_to(folder))
     return {
-        "run": config["run"],
+        "run": Path(folder).name,
         "recorded": datetime.datetime.now(datetime.UTC).isoformat(timespec="seconds"),
         "seed": config["seed"],
         "config": dict(config),
@@ -68,10 +68,10 @@ def record(
     }
 
 
-def stage_cost(path: str | Path) -> dict[str, Any]:
-    """Wall time and peak memory of one job from its benchmark file."""
-    parts = Path(path).parts
-    replicate, stage, *part = parts[2:-1]
+def stage_cost(path: str | Path, folder: str | Path) -> dict[str, Any]:
+    """Wall time and peak memory of one job from its benchmark file; what has no replicates counts as replicate 0."""
+    parts = Path(path).relative_to(folder).parts[:-1]
+    replicate, stage, *part = parts if parts[0].isdigit() else ("0", *parts)
     row = pd.read_csv(path, sep="\t", na_values="-").iloc[0]
     memory_mb = row.get("max_rss", 0.0)
     return {
@@ -87,12 +87,13 @@ def stage_cost(path: str | Path) -> dict[str, Any]:
 def brief(path: Path, products: Sequence[Path], columns: Sequence[str]) -> list[dict[str, Any]]:
     """The named columns of a product, a dictionary per row; rows that split a score by hull are left out.
 
-    Empty for a table of another kind, without the last column, as the tables over many replicates are.
+    Empty for a table of another kind, without the first or the last column, as the tables over many replicates
+    or specifications are.
     """
     if path not in products:
         return []
     table = read_table(path)
-    if columns[-1] not in table:
+    if not {columns[0], columns[-1]} <= set(table):
         return []
     if "hull" in table:
         table = table[table["hull"] == "all"]

@@ -41,14 +41,11 @@ def make_run(folder: Path, k: int = 100, ours: float = 0.4, crps_s: float = 0.2,
         folder / "scores.csv",
     )
     write_text("<svg xmlns='http://www.w3.org/2000/svg'/>", folder / "figures/fig11.svg")
-    write_text(f"s\th:m:s\tmax_rss\n{wall_s}\t0:00:02\t-\n", folder / "0/score_maps/0/benchmark.tsv")
-    # A record names the stages by the path below the folder above results.
-    benchmark = Path(*(folder / "0/score_maps/0/benchmark.tsv").parts[-6:])
+    benchmark = folder / "0/score_maps/0/benchmark.tsv"
+    write_text(f"s\th:m:s\tmax_rss\n{wall_s}\t0:00:02\t-\n", benchmark)
     products = [str(folder / name) for name in ("claims.csv", "scores.csv", "figures/fig11.svg")]
     config = {"run": folder.name, "seed": 1, "model": {"k": k}}
-    found = record(config, ROOT, [], {"score_maps.py": f"digest {k}"}, products, folder)
-    found["stages"] = [{"stage": benchmark.parts[3], "part": "0", "replicate": 0, "wall_s": wall_s, "peak_memory_mb": 0.0}]
-    write_json(found, folder / "run.json")
+    write_json(record(config, ROOT, [str(benchmark)], {"score_maps.py": f"digest {k}"}, products, folder), folder / "run.json")
     return folder
 
 

@@ -41,20 +41,32 @@ def test_nobody_is_named(run):
     assert f'"{getpass.getuser()}"' not in text
 
 
+def test_claims_of_many_specifications_are_a_product_without_a_brief(tmp_path):
+    folder = tmp_path / "results/multiverse"
+    columns = {name: [0.4] for name in ("published", "ours", "ours_low", "ours_high")}
+    write_table(
+        pd.DataFrame({"specification": ["default"], "claim": ["first"], **columns, "verdict": ["partly"]}), folder / "claims.csv"
+    )
+    found = record({"run": "steering", "seed": 1}, tmp_path, [], {}, [str(folder / "claims.csv")], folder)
+    assert found["claims"] == []
+    assert found["run"] == "multiverse", "named after its folder: the configuration is that of the study it varies"
+    assert list(found["products"]) == ["claims.csv"]
+
+
 def test_the_cost_of_a_short_job_has_no_memory(tmp_path):
-    path = tmp_path / "benchmark.tsv"
+    path = tmp_path / "3/score_maps/1/benchmark.tsv"
+    path.parent.mkdir(parents=True)
     path.write_text("s\th:m:s\tmax_rss\n0.2514\t0:00:00\t-\n")
-    relative = "results/steering/3/score_maps/1/benchmark.tsv"
-    target = tmp_path / relative
-    target.parent.mkdir(parents=True)
-    path.rename(target)
-    before = os.getcwd()
-    os.chdir(tmp_path)
-    try:
-        cost = stage_cost(relative)
-    finally:
-        os.chdir(before)
+    cost = stage_cost(path, tmp_path)
     assert cost == {"stage": "score_maps", "part": "1", "replicate": 3, "wall_s": 0.25, "peak_memory_mb": 0.0}
+
+
+def test_what_has_no_replicates_counts_as_replicate_0(tmp_path):
+    path = tmp_path / "evaluate_specification/default/benchmark.tsv"
+    path.parent.mkdir(parents=True)
+    path.write_text("s\th:m:s\tmax_rss\n2.5\t0:00:02\t700.04\n")
+    cost = stage_cost(path, tmp_path)
+    assert cost == {"stage": "evaluate_specification", "part": "default", "replicate": 0, "wall_s": 2.5, "peak_memory_mb": 700.0}
 
 
 def test_outside_of_git_there_is_no_commit(tmp_path):
