@@ -20,8 +20,12 @@ PROMISED = {
         ),
     ),
     "replicates": (("--configfile", "config/replicates.yaml"), "replicates", ("claims.csv", "scores.csv", "run.json")),
-    "multiverse": (("multiverse",), "multiverse", ("claims.csv", "figures/specification_curve.svg")),
-    "recovery": (("recovery", "--configfile", "config/recovery.yaml"), "recovery", ("recovery.csv", "figures/recovery.svg")),
+    "multiverse": (("multiverse",), "multiverse", ("claims.csv", "run.json", "figures/specification_curve.svg")),
+    "recovery": (
+        ("recovery", "--configfile", "config/recovery.yaml"),
+        "recovery",
+        ("recovery.csv", "run.json", "figures/recovery.svg"),
+    ),
     "cmu": (("--configfile", "config/cmu.yaml"), "cmu", ("scores.csv", "figures/scores.svg", "run.json", "report.html")),
     "resampled": (("--configfile", "config/resampled.yaml"), "resampled", ("claims.csv", "scores.csv", "verdicts.csv")),
 }
