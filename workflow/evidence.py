@@ -1,6 +1,8 @@
 """Print the tables of docs/evidence.md from what `make`, `replicates`, `recovery`, `multiverse` and `resampled` left.
 
---write puts them there.
+    python workflow/evidence.py [RESULTS] [--write]
+
+RESULTS is the folder of the runs (default: results); --write puts the tables there.
 
 The tables stand between the markers `<!-- name -->` and `<!-- /name -->`; the words around them are written by hand.
 """
@@ -11,12 +13,25 @@ from pathlib import Path
 
 import pandas as pd
 
+from evidence_forecasts import (
+    findings,
+    limits,
+    markdown,
+    multiverse_findings,
+    pairs,
+    realism_sentences,
+    replicated_findings,
+    resampled_findings,
+    scores,
+    sharpness,
+)
+
 ROOT = Path(__file__).parents[1]
 PAGE = ROOT / "docs/evidence.md"
 READINGS = (
     "uniform",
     "P_Prob (literal)",
-    "P_Prob (calibrated)",
+    "P_Prob (one exponent by the scores)",
     "P_Prob (exponent nearest to the truth)",
     "P_Prob, sharpened before blending",
     "true parameters of the neighbours",
@@ -26,12 +41,6 @@ VERDICTS = ("reproduced", "partly", "not reproduced", "not checkable")
 QUARTILES = ("median", "q25", "q75")
 MEASURES = ("ks", "bias", "spread")
 MODELS = ("P_Prob (calibrated)", "P_Prob (extended)", "P_Prob (extended), earlier walks")
-
-
-def markdown(header, rows):
-    """A table in Markdown."""
-    lines = [header, ["---"] * len(header), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
 
 
 def interval(row, digits=3, factor=1.0):
@@ -104,7 +113,7 @@ def recovery_by_task(folder):
     table = pd.read_csv(folder / "recovery.csv")
     cases = table.drop_duplicates(["walks", "resolution"])
     walks, resolution = cases["walks"].mode()[0], cases["resolution"].mode()[0]
-    kept = ("P_Prob (calibrated)", "P_Prob, sharpened before blending")
+    kept = ("P_Prob (one exponent by the scores)", "P_Prob, sharpened before blending")
     chosen = table[(table["walks"] == walks) & (table["resolution"] == resolution) & table["model"].isin(kept)]
     means = chosen.groupby(["task", "model", "measure", "parameter"], sort=False)["value"].mean()
     names = [name for name in dict.fromkeys(table["parameter"]) if name != "all"]
@@ -222,12 +231,21 @@ def resampled_scores(folder):
 
 
 TABLES = {
+    "sharpness": (sharpness, "steering"),
+    "scores": (scores, "steering"),
+    "findings": (findings, "steering"),
+    "limits": (limits, "steering"),
+    "pairs": (pairs, "steering"),
     "realism": (realism, "steering"),
+    "realism_findings": (realism_sentences, "steering"),
+    "resampled_findings": (resampled_findings, "resampled"),
     "resampled_verdicts": (resampled_verdicts, "resampled"),
     "resampled_scores": (resampled_scores, "resampled"),
+    "multiverse_findings": (multiverse_findings, "multiverse"),
     "multiverse": (multiverse, "multiverse"),
     "multiverse_turns": (multiverse_turns, "multiverse"),
     "multiverse_claims": (multiverse_claims, "multiverse"),
+    "replicated_findings": (replicated_findings, "replicates"),
     "replicated_scores": (replicated_scores, "replicates"),
     "replicated_differences": (replicated_differences, "replicates"),
     "replicated_claims": (replicated_claims, "replicates"),

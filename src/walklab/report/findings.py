@@ -134,5 +134,5 @@ def realism_findings(realism: pd.DataFrame | None) -> list[str]:
 
 
 def _times(ratios: pd.Series) -> str:
-    low, high = f"{ratios.min():.2g}", f"{ratios.max():.2g}"
+    low, high = f"{ratios.min():.3g}", f"{ratios.max():.3g}"
     return low if low == high else f"{low} to {high}"

@@ -1,0 +1,190 @@
+"""The tables and sentences of docs/evidence.md that tell how the forecasts did; evidence.py puts them there."""
+
+import pandas as pd
+
+from walklab.evaluation.score_tables import information
+from walklab.evaluation.subject_scores import OWN_MAP
+from walklab.figures.forecasts import forecast_name
+from walklab.report.findings import BASELINES, CALIBRATED, EXTENDED, GOAL_HIGH, GOAL_LOW, forecast_findings, realism_findings
+
+# How candidates.csv calls each way of choosing the sharpness -> how the page does.
+WAYS = {
+    "constant": "one number, by the scores alone",
+    "covering constant": "one number that covers",
+    "law": "a law, by the scores alone",
+    "covering law": "**a law that covers (the rule)**",
+}
+# What each step of P_Prob (extended) added: exponent, degree of the trend, ignored dependencies.
+STEPS = {
+    "start: all dependencies, exponent 80, one mean pace": (80, 0, None),
+    "neighbours searched without height": (80, 0, "height"),
+    "and the mean pace a polynomial of degree 2": (80, 2, "height"),
+}
+SIGNIFICANT = 0.05
+
+
+def markdown(header, rows):
+    """A table in Markdown."""
+    lines = [header, ["---"] * len(header), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
+
+
+def bullets(sentences):
+    """A list in Markdown."""
+    return "\n".join(f"- {sentence}" for sentence in sentences)
+
+
+def bracketed(row, name, digits=3):
+    """A value with its interval."""
+    return f"{row[name]:.{digits}f} [{row[f'{name}_low']:.{digits}f}, {row[f'{name}_high']:.{digits}f}]"
+
+
+def sharpness(folder):
+    """Each way of choosing how sharp the density is, scored on training walks."""
+    table = pd.read_csv(folder / "0/calibrate_model/candidates.csv").query("model == 'P_Prob'")
+    literal = table[(table["kind"] == "exponent") & (table["value"] == 1)].iloc[0]
+    ways = [("1 (literal)", literal), *((name, table[table["kind"] == kind].iloc[0]) for kind, name in WAYS.items())]
+    rows = [[name, f"{row['crps_s']:.3f}", f"{row['energy_m']:.3f}", f"{100 * row['coverage_90']:.1f}"] for name, row in ways]
+    header = ["exponent, nested leave-one-participant-out", "CRPS (s)", "energy score (m)", "90 % interval holds (%)"]
+    best = [
+        f"{kind} {row['crps_s']:.3f} s (at {row['value']:.3g})"
+        for kind in ("exponent", "threshold", "temperature")
+        for row in [table.loc[table.loc[table["kind"] == kind, "crps_s"].idxmin()]]
+    ]
+    return f"{markdown(header, rows)}\n\nSmallest CRPS of each kind, one value for all walks, not nested: {', '.join(best)}."
+
+
+def scores(folder):
+    """Every forecast of both scenarios."""
+    table = pd.read_csv(folder / "scores.csv").query("hull == 'all'")
+    keyed, scenarios = table.set_index(["model", "scenario"]), list(dict.fromkeys(table["scenario"]))
+    rows = []
+    for model in dict.fromkeys(table["model"]):
+        found = [keyed.loc[(model, scenario)] for scenario in scenarios]
+        scored = all(pd.notna(row["energy_m"]) for row in found)
+        energy = " / ".join(f"{row['energy_m']:.3f}" for row in found) if scored else "-"
+        holds = "-" if model == OWN_MAP else " / ".join(f"{100 * row['coverage_90']:.1f}" for row in found)
+        name, knows = forecast_name(model), information(model)
+        rows.append([name, knows, *(bracketed(row, "crps_s") for row in found), energy, holds])
+    header = ["forecast", "knows", *(f"CRPS, {name.replace('_', ' ')} (s)" for name in scenarios)]
+    return markdown([*header, "energy score, 1 / 2 (m)", "90 % interval holds, 1 / 2 (%)"], rows)
+
+
+def findings(folder):
+    """Who wins, by how much, and what the intervals hold."""
+    return bullets(forecast_findings(pd.read_csv(folder / "scores.csv"), _tests(folder)))
+
+
+def _tests(folder):
+    return pd.read_csv(folder / "0/compare_forecasts/tests.csv")
+
+
+def pairs(folder):
+    """Every tested pair over all walks, and what is significant."""
+    table = _tests(folder).query("hull == 'all'")
+    rows = [
+        [
+            row["scenario"].removeprefix("scenario_"),
+            forecast_name(row["first"]),
+            forecast_name(row["second"]),
+            bracketed(row, "mean_difference_s"),
+            f"{row['p_participants_holm']:.2g}",
+            f"{row['p_mixed_holm']:.2g}",
+            f"{row['power_are']:.2f}",
+            f"{row['power_participants']:.2f}",
+        ]
+        for row in table.to_dict("records")
+    ]
+    header = ["scenario", "first", "second", "CRPS, first - second (s)", "p, participants' means", "p, mixed model"]
+    text = markdown([*header, "power, A.R.E.", "power, participants' means, simulated"], rows)
+    sizes = [f"{100 * table[name].min():.0f} to {100 * table[name].max():.0f} %" for name in ("size_walks", "size_participants")]
+    told = [
+        f"Where there is no effect the paper's test on walks rejects in {sizes[0]} of simulated studies,"
+        f" that on participants' means in {sizes[1]}; {100 * SIGNIFICANT:.0f} % were asked for."
+    ]
+    for name, words in (("p_participants_holm", "participants' means"), ("p_mixed_holm", "the mixed model")):
+        told.append(f"Significant after Holm by {words}: {_significant(table, name)}.")
+    return f"{text}\n\n{bullets(told)}"
+
+
+def _significant(table, name):
+    found = []
+    for row in table[table[name] < SIGNIFICANT].to_dict("records"):
+        ahead = row["mean_difference_s"] > 0
+        better, worse = (row["second"], row["first"]) if ahead else (row["first"], row["second"])
+        found.append(
+            f"{forecast_name(better)} before {forecast_name(worse)} in {row['scenario'].replace('_', ' ')} ({row[name]:.2g})"
+        )
+    return "; ".join(found) or "nothing"
+
+
+def limits(folder):
+    """What each step of P_Prob (extended) added on training walks."""
+    table = pd.read_csv(folder / "0/calibrate_model/candidates.csv")
+    table = table[table["model"] == EXTENDED]
+    rows = []
+    for name, (value, degree, ignored) in STEPS.items():
+        same = table["ignored"].isna() if ignored is None else table["ignored"] == ignored
+        row = table[(table["value"] == value) & (table["degree"] == degree) & same].iloc[0]
+        rows.append([name, f"{row['crps_s']:.3f}", f"{row['crps_earlier_s']:.3f}"])
+    return markdown(["step", "CRPS of somebody new (s)", "with earlier walks (s)"], rows)
+
+
+def realism_sentences(folder):
+    """How far the synthetic walks are from recorded ones."""
+    return bullets(realism_findings(pd.read_csv(folder / "realism.csv")))
+
+
+def replicated_findings(folder):
+    """In how many populations the interval is held, and how the learned models stand to the best baseline, over populations."""
+    table = pd.read_csv(folder / "scores.csv").query("hull == 'all'")
+    told = []
+    for scenario, part in table.groupby("scenario", sort=False):
+        means = part[(part["measure"] == "crps_s") & part["model"].isin(BASELINES)].set_index("model")["value"]
+        best, words = str(means.idxmin()), str(scenario).replace("_", " ").capitalize()
+        text = f"{words}: the best baseline by its mean CRPS is {forecast_name(best)} ({means[best]:.3f} s)."
+        for model in (CALIBRATED, EXTENDED):
+            found = part[(part["measure"] == "crps_difference_s") & (part["model"] == model) & (part["against"] == best)]
+            for row in found.to_dict("records"):
+                verb = "wins" if row["high"] < 0 else "loses" if row["low"] > 0 else "neither wins nor loses for certain"
+                text += (
+                    f" Against it {model} {verb}: {row['value']:+.3f} s [{row['low']:+.3f}, {row['high']:+.3f}],"
+                    f" less in {row['below_zero']} of {row['replicates']} populations."
+                )
+        told.append(text + _held_goal(folder, scenario))
+    return bullets(told)
+
+
+def _held_goal(folder, scenario):
+    shares = []
+    for path in sorted(folder.glob("[0-9]*/score_forecasts/scores.csv")):
+        each = pd.read_csv(path)
+        shares += list(each.query("hull == 'all' and scenario == @scenario and model == @CALIBRATED")["coverage_90"])
+    if not shares:
+        return ""
+    held = sum(GOAL_LOW <= share <= GOAL_HIGH for share in shares)
+    goal = f"{100 * GOAL_LOW:.0f} to {100 * GOAL_HIGH:.0f} %"
+    return f" The 90 % interval of {CALIBRATED} held {goal} of the walks in {held} of {len(shares)} populations."
+
+
+def multiverse_findings(folder):
+    """How many claims hold whatever is chosen, and whether P_Prob's effects do."""
+    table = pd.read_csv(folder / "summary.csv")
+    share = table["held_share"].dropna()
+    told = [
+        f"Of {len(share)} claims {int((share == 1).sum())} hold in every specification, {int((share == 0).sum())} in none;"
+        f" {int(((share > 0) & (share < 1)).sum())} depend on what is chosen."
+    ]
+    effects = table[table["claim"].str.startswith("crps_reduction_")]
+    told += [
+        f"{row['statement'].replace('_', ' ', 1)}: {row['default']:+.2f} by default, from {row['smallest']:+.2f} to"
+        f" {row['largest']:+.2f} over all; above 0 in {row['held']} of {row['specifications']}."
+        for row in effects.to_dict("records")
+    ]
+    return bullets(told)
+
+
+def resampled_findings(folder):
+    """The same sentences of the walks resampled from recordings."""
+    tests = folder / "0/compare_forecasts/tests.csv"
+    return bullets(forecast_findings(pd.read_csv(folder / "scores.csv"), pd.read_csv(tests) if tests.exists() else None))
