@@ -135,6 +135,25 @@ def realism_sentences(folder):
     return bullets(realism_findings(pd.read_csv(folder / "realism.csv")))
 
 
+def real(folder):
+    """Every forecast of real walks, every participant left out in turn and counted once."""
+    table = pd.read_csv(folder / "summary.csv")
+    forecasts = table[table["kind"] == "forecast"].sort_values("crps_s")
+    reference = str(forecasts["reference"].iloc[0])
+    rows = [
+        [row["model"], bracketed(row, "crps_s"), f"{100 * row['coverage_90']:.0f}", bracketed(row, "crps_minus_reference_s")]
+        for row in forecasts.to_dict("records")
+    ]
+    header = ["forecast", "CRPS (s)", "90 % interval holds (%)", f"CRPS minus that of {reference} (s)"]
+    clear = forecasts.loc[forecasts["crps_minus_reference_s_high"] < 0, "model"]
+    best = forecasts.iloc[0]
+    told = [
+        f"{best['walks']} walks of {best['participants']} people. The smallest mean CRPS has {best['model']}.",
+        f"Better than {reference} with an interval that excludes zero: {', '.join(clear) or 'none'}.",
+    ]
+    return f"{bullets(told)}\n\n{markdown(header, rows)}"
+
+
 def replicated_findings(folder):
     """In how many populations the interval is held, and how the learned models stand to the best baseline, over populations."""
     table = pd.read_csv(folder / "scores.csv").query("hull == 'all'")

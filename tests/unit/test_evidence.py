@@ -1,0 +1,99 @@
+"""What docs/evidence.md is given: tables and sentences of made-up runs, by the numbers in them."""
+
+import importlib.util
+from pathlib import Path
+from types import ModuleType
+
+import pandas as pd
+import pytest
+
+ROOT = Path(__file__).parents[2]
+
+
+@pytest.fixture(scope="module")
+def told() -> ModuleType:
+    specification = importlib.util.spec_from_file_location("evidence_forecasts", ROOT / "workflow/evidence_forecasts.py")
+    module = importlib.util.module_from_spec(specification)
+    specification.loader.exec_module(module)
+    return module
+
+
+def pooled(measure: str, model: str, value: float, against: str = "", below_zero: int = 0) -> dict:
+    row = {"scenario": "scenario_1", "hull": "all", "measure": measure, "model": model, "against": against}
+    return row | {"value": value, "low": value - 0.01, "high": value + 0.01, "below_zero": below_zero, "replicates": 3}
+
+
+def test_populations_name_the_best_baseline_and_count_who_kept_the_goal(told, tmp_path):
+    rows = [
+        pooled("crps_s", "P_Stat", 0.2),
+        pooled("crps_s", "Gaussian process", 0.15),
+        pooled("crps_s", "P_Prob (extended)", 0.1),  # no baseline
+        pooled("crps_difference_s", "P_Prob (calibrated)", 0.02, "Gaussian process", 1),
+        pooled("crps_difference_s", "P_Prob (extended)", -0.05, "Gaussian process", 3),
+        pooled("crps_difference_s", "P_Prob (extended)", -0.1, "P_Stat", 3),
+    ]
+    pd.DataFrame(rows).to_csv(tmp_path / "scores.csv")
+    for number, share in enumerate((0.85, 0.9, 0.94)):
+        folder = tmp_path / str(number) / "score_forecasts"
+        folder.mkdir(parents=True)
+        row = {"scenario": "scenario_1", "hull": "all", "model": "P_Prob (calibrated)", "coverage_90": share}
+        pd.DataFrame([row, row | {"hull": "inside"}, row | {"model": "P_Stat"}]).to_csv(folder / "scores.csv")
+    text = told.replicated_findings(tmp_path)
+    assert "the best baseline by its mean CRPS is Gaussian process (0.150 s)" in text
+    assert "P_Prob (calibrated) loses: +0.020 s [+0.010, +0.030], less in 1 of 3 populations" in text
+    assert "P_Prob (extended) wins: -0.050 s [-0.060, -0.040], less in 3 of 3 populations" in text
+    assert text.endswith("held 86 to 94 % of the walks in 2 of 3 populations.")
+
+
+def test_the_multiverse_counts_what_holds_everywhere(told, tmp_path):
+    names = ["claim", "statement", "specifications", "held", "held_share", "default", "smallest", "largest"]
+    rows = [
+        ("a", "a", 4, 4, 1.0, 1, 1, 1),
+        ("b", "b", 4, 0, 0.0, 1, 1, 1),
+        ("crps_reduction_scenario_1", "scenario_1: reduction", 4, 1, 0.25, -0.1, -0.4, 0.2),
+    ]
+    pd.DataFrame(rows, columns=names).to_csv(tmp_path / "summary.csv")
+    first, second = told.multiverse_findings(tmp_path).split("\n")
+    assert first == "- Of 3 claims 1 hold in every specification, 1 in none; 1 depend on what is chosen."
+    assert second == "- scenario 1: reduction: -0.10 by default, from -0.40 to +0.20 over all; above 0 in 1 of 4."
+
+
+def test_real_walks_are_ranked_without_the_error_floor(told, tmp_path):
+    names = ["model", "kind", "crps_s", "crps_minus_reference_s", "crps_minus_reference_s_low", "crps_minus_reference_s_high"]
+    rows = [
+        ("climatology", "forecast", 0.5, 0.0, 0.0, 0.0),
+        ("P_Stat", "forecast", 0.3, -0.2, -0.3, -0.1),
+        ("task speeds alone", "forecast", 0.2, -0.3, -0.7, 0.1),
+        ("best cell", "error floor", 0.01, float("nan"), float("nan"), float("nan")),
+    ]
+    table = pd.DataFrame(rows, columns=names).assign(walks=47, participants=10, reference="climatology", coverage_90=0.9)
+    table.assign(crps_s_low=table["crps_s"], crps_s_high=table["crps_s"]).to_csv(tmp_path / "summary.csv")
+    text = told.real(tmp_path)
+    assert "47 walks of 10 people. The smallest mean CRPS has task speeds alone." in text
+    assert "excludes zero: P_Stat." in text
+    assert "best cell" not in text
+
+
+def test_significant_pairs_are_told_by_who_is_ahead(told, tmp_path):
+    names = ["scenario", "hull", "first", "second", "mean_difference_s", "p_participants_holm", "p_mixed_holm"]
+    rows = [
+        ("scenario_1", "all", "regression", "P_Prob (extended)", 0.05, 0.01, 0.2),
+        ("scenario_1", "all", "P_Stat", "P_Prob (literal)", -0.1, 0.3, 0.001),
+        ("scenario_1", "inside", "P_Stat", "P_Prob (literal)", -0.1, 0.001, 0.001),
+    ]
+    table = pd.DataFrame(rows, columns=names).assign(mean_difference_s_low=0, mean_difference_s_high=0, power_are=1)
+    table = table.assign(power_participants=1, size_walks=[0.2, 0.4, 0.9], size_participants=0.05)
+    (tmp_path / "0/compare_forecasts").mkdir(parents=True)
+    table.to_csv(tmp_path / "0/compare_forecasts/tests.csv")
+    *_, sizes, by_people, by_mixed = told.pairs(tmp_path).split("\n")
+    assert "rejects in 20 to 40 %" in sizes
+    assert by_people.endswith("participants' means: P_Prob (extended) before regression in scenario 1 (0.01).")
+    assert by_mixed.endswith("the mixed model: P_Stat with residual spread before P_Prob (literal) in scenario 1 (0.001).")
+
+
+def test_the_page_has_a_place_for_every_table():
+    tables = (ROOT / "workflow/evidence.py").read_text().split("TABLES = {")[1].split("\n}")[0]
+    page = (ROOT / "docs/evidence.md").read_text()
+    names = [line.split('"')[1] for line in tables.splitlines() if '"' in line]
+    assert len(names) > 10
+    assert [name for name in names if f"<!-- {name} -->" not in page or f"<!-- /{name} -->" not in page] == []
