@@ -26,8 +26,7 @@ rule all:
     input:
         PRODUCTS,
         f"{RUN}/run.json",
-        # The page shows one population; many, or planner walks, have their tables and figures.
-        [] if REPLICATED or RECOVERED else rules.build_report.output,
+        REPORT,
 
 
 rule recovery:

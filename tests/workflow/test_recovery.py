@@ -17,6 +17,6 @@ def test_recovery_needs_no_captured_walk_and_leaves_its_table_and_figure(project
     assert table.loc[table["measure"] == "ks", "value"].between(0, 1).all()
     assert (results / "figures/recovery.png").stat().st_size > 5_000
     record = read_record(results)
-    assert {stage["stage"] for stage in record["stages"]} == {"recover_distribution", "draw_recovery"}
+    assert {stage["stage"] for stage in record["stages"]} == {"recover_distribution", "draw_recovery", "record_run"}
     assert {"recovery.csv", "figures/recovery.svg"} <= set(record["products"])
     assert not list(results.rglob("walks.parquet")), "planner walks are never stored as captured ones"

@@ -54,21 +54,33 @@ RECOVERY = [
 ]
 PRODUCTS = (POPULATIONS if REPLICATED else STEERING) if SYNTHETIC else REAL
 PRODUCTS = RECOVERY if RECOVERED else PRODUCTS
+# The page shows one population; many, or planner walks, have their tables and figures.
+REPORTED = not (REPLICATED or RECOVERED)
+REPORT = [f"{RUN}/report.html", f"{RUN}/report.pdf"] if REPORTED else []
 # Folder -> what its record is of.
 RECORDED = {RUN: PRODUCTS, MULTIVERSE: MULTIVERSE_PRODUCTS}
 
 
-def benchmarks(wildcards, input):
-    """Benchmark files of every job of this configuration; an earlier one may have left others."""
-    folder = wildcards.folder
+def costs(wildcards, input):
+    """What every job of this configuration has left of its cost; an earlier one may have left others."""
+    folder = wildcards.get("folder", RUN)
     roots = [f"{RUN}/{number}" for number in REPLICATES] if folder == RUN else [folder]
     parts = {*map(str, SHARDS), *SCENARIOS, *SPECIFICATIONS}
     return sorted(
         str(path)
         for root in roots
-        for path in Path(root).rglob("benchmark.tsv")
+        for path in Path(root).rglob("cost.json")
         if set(path.relative_to(root).parts[1:-1]) <= parts
     )
+
+
+# What a record is made of, beside the products; the report shows the same of its run, without its own last seconds.
+RECORDING = {
+    "config": CONFIG,
+    "root": os.path.relpath(ROOT),
+    "costs": costs,
+    "digests": lambda wildcards: dict(CODE),
+}
 
 
 if SYNTHETIC and not REPLICATED:
@@ -136,7 +148,9 @@ rule describe_model:
 
 rule record_run:
     input:
-        lambda wildcards: RECORDED[wildcards.folder],
+        # So that its cost is known.
+        report=lambda wildcards: REPORT if wildcards.folder == RUN else [],
+        products=lambda wildcards: RECORDED[wildcards.folder],
     output:
         record="{folder}/run.json",
     log:
@@ -144,11 +158,8 @@ rule record_run:
     wildcard_constraints:
         folder="|".join(RECORDED),
     params:
+        **RECORDING,
         code=code("record_run.py"),
-        config=CONFIG,
-        root=os.path.relpath(ROOT),
-        benchmarks=benchmarks,
-        digests=lambda wildcards: dict(CODE),
         folder=lambda wildcards: wildcards.folder,
     script:
         "../scripts/record_run.py"
@@ -164,7 +175,7 @@ onstart:
 
 
 onsuccess:
-    if not workflow.dag_settings.targets and not (REPLICATED or RECOVERED):
+    if not workflow.dag_settings.targets and REPORTED:
         print(f"The report is {RUN}/report.html.")
     folder = MULTIVERSE if "multiverse" in workflow.dag_settings.targets else RUN
     print(f"All results are in {folder}/.")

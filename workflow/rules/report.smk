@@ -39,9 +39,8 @@ def shown_figures():
 
 rule build_report:
     input:
-        RESULTS,
         **(_SCENES if SYNTHETIC else {}),
-        record=f"{RUN}/run.json",
+        products=RESULTS,
         model=first(rules.train_model.output.model),
         tables=[file for file, _ in REPORT_TABLES.values()],
         captions=[about["caption"] for about in shown_figures().values()],
@@ -51,8 +50,12 @@ rule build_report:
         pdf=f"{RUN}/report.pdf",
     log:
         first(stage("build_report", "log.txt")),
+    benchmark:
+        first(stage("build_report", "benchmark.tsv"))
     params:
+        **RECORDING,
         **section("seed", "planner", "space", "scenarios"),
+        folder=RUN,
         tables=REPORT_TABLES,
         figures=shown_figures(),
         code=code("build_report.py"),

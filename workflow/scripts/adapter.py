@@ -1,4 +1,4 @@
-"""What every script of a rule needs: its log file, its threads, checksums and one clear message when something is wrong."""
+"""What every script of a rule needs: its log, its threads, checksums, its cost, one clear message when something is wrong."""
 
 import contextlib
 import errno
@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from walklab.errors import InputError
-from walklab.runs import checksums
+from walklab.runs import checksums, cost
 
 # What a user can put right; the job has left nothing half-written.
 REMEDIES = {
@@ -37,7 +37,9 @@ def job(snakemake: Any) -> Iterator[None]:
             logging.basicConfig(level=logging.INFO, stream=sys.stderr, format="%(levelname)s %(name)s: %(message)s")
             checksums.verify(snakemake.input)
             yield
-            checksums.record(snakemake.output, Path(snakemake.log[0]).parent)
+            folder = Path(snakemake.log[0]).parent
+            checksums.record(snakemake.output, folder)
+            cost.write(folder)
     except InputError as error:
         _stop(f"error in {snakemake.rule}: {error}", terminal, snakemake.log[0])
     except OSError as error:

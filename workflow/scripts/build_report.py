@@ -16,8 +16,9 @@ from walklab.report.map_lattice import map_lattice
 from walklab.report.page import render
 from walklab.report.pdf import pdf_of
 from walklab.report.shown_walks import scene_data
+from walklab.runs.record import record
 from walklab.steering.io import read_model
-from walklab.storage import read_json, read_table, write_text
+from walklab.storage import read_table, write_text
 
 
 def maps_of(files, seed):
@@ -53,7 +54,7 @@ if __name__ == "__main__":
     with job(snakemake):
         params, files = snakemake.params, snakemake.input
         contents = Contents(
-            read_json(files.record),
+            record(params.config, params.root, params.costs, params.digests, list(files.products), params.folder, "build_report"),
             whole_paper(files.paper) if "paper" in files.keys() else {},  # noqa: SIM118
             {
                 name: read_figure(name, about["category"], about["drawing"], about["caption"])

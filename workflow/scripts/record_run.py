@@ -7,5 +7,6 @@ from walklab.storage import write_json
 if __name__ == "__main__":
     with job(snakemake):
         given = snakemake.params
-        found = record(given.config, given.root, given.benchmarks, given.digests, list(snakemake.input), given.folder)
+        products = list(snakemake.input.products)
+        found = record(given.config, given.root, given.costs, given.digests, products, given.folder, "record_run")
         write_json(found, snakemake.output.record)

@@ -1,4 +1,5 @@
-"""The verdict on every published claim, by rules fixed before the first run (``config/papers/*.yaml``).
+"""The verdict on every published claim, by rules fixed before the first run (``config/papers/*.yaml``),
+which the history, one commit for both, cannot prove.
 
 The rule (DESIGN, principle 9). A claim with a figure is *reproduced* if its direction holds and our 95 %
 interval contains the published figure, *partly* reproduced if only the direction holds, and *not reproduced*
@@ -188,11 +189,14 @@ def _check(claim: Claim, tables: Mapping[str, pd.DataFrame]) -> dict[str, Any]:
             notes.append(claim.not_checkable)
         elif claim.parts:
             verdict, failed = _judge_statement(claim, tables)
+            notes.append(f"{len(claim.parts) - len(failed)} of {len(claim.parts)} parts hold")
             notes += [f"does not hold: {text}" for text in failed]
         elif claim.ours is not None:
             ours = lookup(tables, claim.ours)
             verdict, failed = _judge_figure(claim, ours, tables)
             notes += [f"direction does not hold: {text}" for text in failed]
+            if verdict == REPRODUCED and _includes_no_effect(claim, ours):
+                notes.append(f"the interval is wide and includes no effect ({ours[1]:.3g} to {ours[2]:.3g})")
     except MissingRow as missing:
         ours, verdict = (np.nan, np.nan, np.nan), NOT_CHECKABLE
         notes.append(f"this run has {missing}")
@@ -223,6 +227,11 @@ def _judge_figure(claim: Claim, ours: tuple[float, float, float], tables: Mappin
     if met:
         return REPRODUCED, []
     return (PARTLY if claim.direction else NOT_REPRODUCED), []
+
+
+def _includes_no_effect(claim: Claim, ours: tuple[float, float, float]) -> bool:
+    """Whether an effect is claimed (above zero) that our interval leaves open."""
+    return any(rule.get("above") == 0 and "at" not in rule for rule in claim.direction) and ours[1] <= 0
 
 
 def _judge_statement(claim: Claim, tables: Mapping[str, pd.DataFrame]) -> tuple[str, list[str]]:

@@ -13,8 +13,9 @@ from typing import Any
 
 import pandas as pd
 
+from walklab.runs import cost
 from walklab.runs.checksums import sha256
-from walklab.storage import read_table
+from walklab.storage import read_json, read_table
 
 CLAIM_COLUMNS = ("id", "published", "ours", "ours_low", "ours_high", "verdict")
 # What names a row of a table of scores, and what is kept of it.
@@ -25,10 +26,11 @@ SCORE_VALUES = ("crps_s", "energy_m", "coverage_90")
 def record(
     config: Mapping[str, Any],
     root: str | Path,
-    benchmarks: Sequence[str],
+    costs: Sequence[str],
     code: Mapping[str, str],
     products: Sequence[str],
     folder: str | Path,
+    maker: str,
 ) -> dict[str, Any]:
     """Everything that is needed to tell one run from another.
 
@@ -36,17 +38,19 @@ def record(
     ----------
     config : the completed configuration
     root : the checkout
-    benchmarks : Snakemake's benchmark file of every job, ``<folder>/[<replicate>/]<stage>/[<part>/]benchmark.tsv``
+    costs : what every job has left of its cost, ``<folder>/[<replicate>/]<stage>/[<part>/]cost.json`` (:mod:`walklab.runs.cost`)
     code : digest of what each script of the workflow computes with
     products : files the run was made for; ``claims.csv`` and ``scores.csv`` among them are kept in brief
     folder : the run's folder, ``results/<run>``; its last part names the run
+    maker : the stage that this is called in, whose cost until now is the last of stages
 
     Returns
     -------
     dict with run, recorded (UTC), seed, config, commit, code, versions, machine, claims, scores, products (SHA-256 by
-    path below the folder), stages (wall time and peak memory of each job) and totals
+    path below the folder), stages (wall time, CPU time and peak memory of each job) and totals
     """
-    stages = [stage_cost(path, folder) for path in sorted(benchmarks)]
+    stages = [stage for stage in (stage_cost(path, folder) for path in sorted(costs)) if stage["stage"] != maker]
+    stages.append({"stage": maker, "part": "", "replicate": 0, **cost.so_far()})
     inside = sorted(path for path in map(Path, products) if path.is_relative_to(folder))
     return {
         "run": Path(folder).name,
@@ -61,27 +65,24 @@ def record(
         "scores": brief(Path(folder) / "scores.csv", inside, (*SCORE_KEYS, *SCORE_VALUES)),
         "products": {path.relative_to(folder).as_posix(): sha256(path) for path in inside},
         "stages": stages,
-        "totals": {
-            "jobs_wall_s": round(sum(stage["wall_s"] for stage in stages), 1),
-            "peak_memory_mb": max((stage["peak_memory_mb"] for stage in stages), default=0.0),
-        },
+        "totals": totals(stages),
+    }
+
+
+def totals(stages: Sequence[Mapping[str, Any]]) -> dict[str, float]:
+    """What all jobs together took, and the largest of them."""
+    return {
+        "jobs_wall_s": round(sum(stage["wall_s"] for stage in stages), 1),
+        "jobs_cpu_s": round(sum(stage["cpu_s"] for stage in stages), 1),
+        "peak_memory_mb": max((stage["peak_memory_mb"] for stage in stages), default=0.0),
     }
 
 
 def stage_cost(path: str | Path, folder: str | Path) -> dict[str, Any]:
-    """Wall time and peak memory of one job from its benchmark file; what has no replicates counts as replicate 0."""
+    """Wall time (s), CPU time (s) and peak memory (MB) that a job left; what has no replicates counts as replicate 0."""
     parts = Path(path).relative_to(folder).parts[:-1]
     replicate, stage, *part = parts if parts[0].isdigit() else ("0", *parts)
-    row = pd.read_csv(path, sep="\t", na_values="-").iloc[0]
-    memory_mb = row.get("max_rss", 0.0)
-    return {
-        "stage": stage,
-        "part": "/".join(part),
-        "replicate": int(replicate),
-        "wall_s": round(float(row["s"]), 2),
-        # A job shorter than the polling interval has no measured memory.
-        "peak_memory_mb": 0.0 if pd.isna(memory_mb) else round(float(memory_mb), 1),
-    }
+    return {"stage": stage, "part": "/".join(part), "replicate": int(replicate), **read_json(path)}
 
 
 def brief(path: Path, products: Sequence[Path], columns: Sequence[str]) -> list[dict[str, Any]]:

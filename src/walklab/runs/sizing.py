@@ -21,7 +21,7 @@ SHARDED = ("record_training", "extract_training", "plan_training", "score_maps")
 MEETING = "build_space"
 HOUR_S = 3600.0
 # What lies beside the products of a job.
-BESIDE = ("log.txt", "benchmark.tsv", "checksums.txt")
+BESIDE = ("log.txt", "benchmark.tsv", "checksums.txt", "cost.json")
 
 
 @dataclass(frozen=True)

@@ -95,6 +95,20 @@ def test_the_note_says_which_part_fails(tmp_path: Path) -> None:
     table = check_claims(load_paper(write(tmp_path, SMALL)), errors(A=(0.5, 0.4, 0.6), B=(0.6, 0.5, 0.7))).set_index("id")
     assert "0.6 is not less than 0.5" in table.loc["error_b", "note"]
     assert "0.6 is not below 0.1" in table.loc["better", "note"]
+    assert "0 of 2 parts hold" in table.loc["better", "note"]
+
+
+def test_the_note_says_when_a_reproduced_effect_may_be_none(tmp_path: Path) -> None:
+    data = yaml.safe_load(yaml.safe_dump(SMALL))
+    data["verdicts"][1]["direction"] = [{"above": 0}]
+    paper = load_paper(write(tmp_path, data))
+    wide, narrow = (
+        check_claims(paper, errors(A=(0.5, 0.4, 0.6), B=interval)).set_index("id").loc["error_b"]
+        for interval in ((0.3, -0.1, 0.7), (0.3, 0.1, 0.7))
+    )
+    assert wide["verdict"] == narrow["verdict"] == "reproduced"
+    assert "includes no effect (-0.1 to 0.7)" in wide["note"]
+    assert "no effect" not in narrow["note"]
 
 
 def test_what_a_run_lacks_is_not_checkable_with_the_reason(tmp_path: Path) -> None:

@@ -119,7 +119,7 @@ def record(run: str = "made_up", kind: str = "synthetic") -> dict[str, Any]:
         },
         "machine": {"platform": "a machine", "python": "3.11", "cores": 2},
         "totals": {"jobs_wall_s": 12.5, "peak_memory_mb": 100.0},
-        "stages": [{"stage": "score_maps", "part": "0", "replicate": 0, "wall_s": 1.25, "peak_memory_mb": 90.0}],
+        "stages": [{"stage": "score_maps", "part": "0", "replicate": 0, "wall_s": 1.25, "cpu_s": 1.5, "peak_memory_mb": 90.0}],
         "versions": {"numpy": "2"},
     }
 

@@ -41,11 +41,12 @@ def make_run(folder: Path, k: int = 100, ours: float = 0.4, crps_s: float = 0.2,
         folder / "scores.csv",
     )
     write_text("<svg xmlns='http://www.w3.org/2000/svg'/>", folder / "figures/fig11.svg")
-    benchmark = folder / "0/score_maps/0/benchmark.tsv"
-    write_text(f"s\th:m:s\tmax_rss\n{wall_s}\t0:00:02\t-\n", benchmark)
     products = [str(folder / name) for name in ("claims.csv", "scores.csv", "figures/fig11.svg")]
     config = {"run": folder.name, "seed": 1, "model": {"k": k}}
-    write_json(record(config, ROOT, [str(benchmark)], {"score_maps.py": f"digest {k}"}, products, folder), folder / "run.json")
+    found = record(config, ROOT, [], {"score_maps.py": f"digest {k}"}, products, folder, "record_run")
+    cost = {"wall_s": wall_s, "cpu_s": 1.5, "peak_memory_mb": 90.0}
+    found["stages"] = [{"stage": "score_maps", "part": "0", "replicate": 0, **cost}]
+    write_json(found, folder / "run.json")
     return folder
 
 

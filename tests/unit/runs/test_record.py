@@ -5,6 +5,7 @@ import hashlib
 import json
 import os
 import platform
+import socket
 
 import pandas as pd
 import pytest
@@ -12,7 +13,7 @@ import pytest
 from walklab.errors import InputError
 from walklab.runs.io import read_record
 from walklab.runs.record import commit, processor, record, stage_cost
-from walklab.storage import write_table
+from walklab.storage import write_json, write_table
 
 
 def test_claims_scores_and_products_are_kept_in_brief(run):
@@ -29,15 +30,18 @@ def test_claims_scores_and_products_are_kept_in_brief(run):
 def test_tables_over_many_replicates_are_products_without_a_brief(tmp_path):
     path = tmp_path / "results/replicates/claims.csv"
     write_table(pd.DataFrame({"id": ["first"], "published": [0.453], "reproduced": [3]}), path)
-    found = record({"run": "replicates", "seed": 1}, tmp_path, [], {}, [str(path)], path.parent)
+    found = record({"run": "replicates", "seed": 1}, tmp_path, [], {}, [str(path)], path.parent, "record_run")
     assert found["claims"] == []
     assert list(found["products"]) == ["claims.csv"]
 
 
-def test_nobody_is_named(run):
-    text = json.dumps(read_record(run))
+def test_nobody_is_named(request, monkeypatch):
+    monkeypatch.setattr(platform, "node", lambda: "a-host-with-a-name")
+    monkeypatch.setattr(socket, "gethostname", lambda: "a-host-with-a-name")
+    monkeypatch.setattr(platform, "uname", lambda: platform.uname_result("Linux", "a-host-with-a-name", "6.1", "#1", "x86_64"))
+    text = json.dumps(read_record(request.getfixturevalue("run")))
     assert os.path.expanduser("~") + "/" not in text
-    assert platform.node() not in text or len(platform.node()) < 4
+    assert "a-host-with-a-name" not in text
     assert f'"{getpass.getuser()}"' not in text
 
 
@@ -47,26 +51,32 @@ def test_claims_of_many_specifications_are_a_product_without_a_brief(tmp_path):
     write_table(
         pd.DataFrame({"specification": ["default"], "claim": ["first"], **columns, "verdict": ["partly"]}), folder / "claims.csv"
     )
-    found = record({"run": "steering", "seed": 1}, tmp_path, [], {}, [str(folder / "claims.csv")], folder)
+    found = record({"run": "steering", "seed": 1}, tmp_path, [], {}, [str(folder / "claims.csv")], folder, "record_run")
     assert found["claims"] == []
     assert found["run"] == "multiverse", "named after its folder: the configuration is that of the study it varies"
     assert list(found["products"]) == ["claims.csv"]
 
 
-def test_the_cost_of_a_short_job_has_no_memory(tmp_path):
-    path = tmp_path / "3/score_maps/1/benchmark.tsv"
-    path.parent.mkdir(parents=True)
-    path.write_text("s\th:m:s\tmax_rss\n0.2514\t0:00:00\t-\n")
-    cost = stage_cost(path, tmp_path)
-    assert cost == {"stage": "score_maps", "part": "1", "replicate": 3, "wall_s": 0.25, "peak_memory_mb": 0.0}
+def test_every_job_and_the_one_that_records_are_stages(tmp_path):
+    costs = [tmp_path / part / "cost.json" for part in ("0/count_distances", "3/score_maps/1", "record_run")]
+    for wall_s, path in enumerate(costs, start=1):
+        write_json({"wall_s": wall_s, "cpu_s": 0.5, "peak_memory_mb": 100.0 * wall_s}, path)
+    found = record({"run": "study", "seed": 1}, tmp_path, list(map(str, costs)), {}, [], tmp_path, "record_run")
+    first, second, own = found["stages"]
+    cost = {"wall_s": 1, "cpu_s": 0.5, "peak_memory_mb": 100.0}
+    assert first == {"stage": "count_distances", "part": "", "replicate": 0, **cost}
+    assert (second["stage"], second["part"], second["replicate"]) == ("score_maps", "1", 3)
+    assert own["stage"] == "record_run", "that of an earlier record does not count"
+    assert own["wall_s"] != 3
+    assert found["totals"]["jobs_cpu_s"] == pytest.approx(1.0 + own["cpu_s"], abs=0.06)
+    assert found["totals"]["peak_memory_mb"] == max(200.0, own["peak_memory_mb"])
 
 
 def test_what_has_no_replicates_counts_as_replicate_0(tmp_path):
-    path = tmp_path / "evaluate_specification/default/benchmark.tsv"
-    path.parent.mkdir(parents=True)
-    path.write_text("s\th:m:s\tmax_rss\n2.5\t0:00:02\t700.04\n")
+    path = tmp_path / "evaluate_specification/default/cost.json"
+    write_json({"wall_s": 2.5, "cpu_s": 2.0, "peak_memory_mb": 700.0}, path)
     cost = stage_cost(path, tmp_path)
-    assert cost == {"stage": "evaluate_specification", "part": "default", "replicate": 0, "wall_s": 2.5, "peak_memory_mb": 700.0}
+    assert (cost["stage"], cost["part"], cost["replicate"]) == ("evaluate_specification", "default", 0)
 
 
 def test_outside_of_git_there_is_no_commit(tmp_path):

@@ -1,0 +1,42 @@
+"""What a job has taken of the machine, as it measures itself when it ends.
+
+Snakemake's benchmark samples from outside: of a job that lasts a second or two it may have seen only the shell before Python.
+"""
+
+from __future__ import annotations
+
+import os
+import resource
+import time
+from pathlib import Path
+
+import psutil
+
+from walklab.storage import write_json
+
+FILE = "cost.json"
+
+
+def so_far() -> dict[str, float]:
+    """Wall time (s) and CPU time (s, all threads) since this process began, and its peak memory (MB, resident)."""
+    times = os.times()
+    return {
+        "wall_s": round(time.time() - psutil.Process().create_time(), 2),
+        "cpu_s": round(times.user + times.system + times.children_user + times.children_system, 2),
+        "peak_memory_mb": round(peak_memory_mb(), 1),
+    }
+
+
+def peak_memory_mb(status: str | Path = "/proc/self/status") -> float:
+    """Largest resident memory (MB, 10^6 bytes) of this process."""
+    try:
+        lines = Path(status).read_text().splitlines()
+    except OSError:  # not Linux: there the peak is in bytes
+        return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e6
+    # Not getrusage: on Linux its peak also counts the program that started this one. The file counts in KiB.
+    return next(int(line.split()[1]) * 1024 / 1e6 for line in lines if line.startswith("VmHWM:"))
+
+
+def write(folder: str | Path) -> None:
+    """Leave the cost of this job in ``folder``, beside its log."""
+    write_json(so_far(), Path(folder) / FILE)
