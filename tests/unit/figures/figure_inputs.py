@@ -169,7 +169,7 @@ def forecast_scores() -> pd.DataFrame:
         )
     ]
     names = ["crps_s", "crps_s_low", "crps_s_high", "coverage_90", "coverage_90_low", "coverage_90_high"]
-    return pd.DataFrame(rows, columns=["scenario", "hull", "model", "information", *names])
+    return pd.DataFrame(rows, columns=["scenario", "hull", "model", "information", *names]).assign(bias_s=-0.1)
 
 
 def calibration() -> pd.DataFrame:

@@ -171,6 +171,9 @@ def tables(claim_table: pd.DataFrame) -> dict[str, ReportTable]:
         "capture": capture,
         "classes": figure_inputs.classes(),
         "scores": figure_inputs.forecast_scores(),
+        "realism": pd.DataFrame(
+            {"quantity": ["curvature"], "synthetic_median": [0.2], "recorded_median": [0.8], "n_recorded": [9], "source": ["A"]}
+        ),
         "assumptions": pd.DataFrame({"file": ["a.py"], "line": [3], "text": [HOSTILE]}),
     }
     return {name: ReportTable(name.replace("_", " "), f"results/made_up/{name}.csv", frame) for name, frame in frames.items()}

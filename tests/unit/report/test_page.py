@@ -47,6 +47,15 @@ def test_the_page_is_valid_and_its_identifiers_are_unique(page):
     assert all(image.get("alt") for image in tree.iter("img"))
 
 
+def test_the_sections_say_who_wins_and_what_is_unlike_real_walks(page):
+    sections = {each.get("id"): " ".join("".join(each.itertext()).split()) for each in parsed(page).iter("section")}
+    assert (
+        "the best baseline that knows only the task is P_Stat with residual spread (CRPS 0.200 s [0.100, 0.300])"
+        in sections["forecasts"]
+    )
+    assert "that of these walks times: curvature 4." in sections["capture"]
+
+
 def test_every_number_of_a_claim_is_that_of_the_table_of_claims(page):
     tree, table = parsed(page), claims().set_index("id")
     shown = rows_of(tree, "verdict-table")
