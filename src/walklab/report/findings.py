@@ -113,7 +113,7 @@ def realism_findings(realism: pd.DataFrame | None) -> list[str]:
     if realism is None or "quantity" not in realism:
         return []
     # Neither the subjects with spikes nor a part of the walks, which have sources of their own with a comma in them.
-    rows = realism[(realism["n_recorded"] > 0) & ~realism["source"].str.contains(",")]
+    rows = realism[(realism["n_recorded"] > 0) & ~realism["source"].astype(str).str.contains(",")]
     ratios = {str(name): part["recorded_median"] / part["synthetic_median"] for name, part in rows.groupby("quantity")}
     found = []
     paths = {"lateral_excursion": "lateral excursion", "excess_length": "excess length", "curvature": "curvature"}

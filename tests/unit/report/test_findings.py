@@ -76,3 +76,14 @@ def test_realism_tells_the_ratios_of_the_medians():
     paths, speeds = realism_findings(pd.DataFrame(rows, columns=names))
     assert paths.endswith("excess length 7 to 19.")
     assert speeds == "Speeds, likewise: time to slow down (one person) 2.4."
+
+
+def test_without_recordings_nothing_is_said_of_realism():
+    row = {
+        "quantity": "curvature",
+        "synthetic_median": 0.2,
+        "recorded_median": float("nan"),
+        "n_recorded": 0,
+        "source": float("nan"),
+    }
+    assert realism_findings(pd.DataFrame([row])) == []
