@@ -1,6 +1,7 @@
 """What every rule shares: configuration, wildcards, code digests, names of files."""
 
 import os
+import sys
 from pathlib import Path
 
 import yaml

@@ -167,6 +167,8 @@ rule record_run:
 
 onstart:
     check_writable()
+    if told := job_environment.stale(ROOT):
+        print(told, file=sys.stderr)
     # The estimate is that of the whole study.
     if not workflow.dag_settings.targets:
         print(announce())

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import fcntl
 import subprocess
 import time
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import pytest
+from tally import Tally, keep
 
 from walklab.runs import checksums
-from walklab.storage import read_json, write_json
+from walklab.runs.record import commit
 
 ROOT = Path(__file__).parents[3]
 CONFIGURATION = ("--configfile", "tests/workflow/tiny.yaml")
@@ -31,32 +30,12 @@ STAGES = (
 PATIENCE_S = 600
 
 
-@dataclass
-class Tally:
-    """How often each fault was tried and survived."""
-
-    counts: dict[str, dict[str, int]] = field(default_factory=dict)
-
-    @contextmanager
-    def attempt(self, fault: str, times: int = 1) -> Iterator[None]:
-        """Count a fault; it is survived if the block ends without an exception."""
-        counts = self.counts.setdefault(fault, {"tried": 0, "survived": 0})
-        counts["tried"] += times
-        yield
-        counts["survived"] += times
-
-
 @pytest.fixture(scope="session")
 def tally() -> Iterator[Tally]:
-    """Written to results/bench/faults.json at the end; faults that were not tried this time keep their count."""
+    """Written to results/bench/faults.json at the end."""
     tally = Tally()
     yield tally
-    path = ROOT / "results/bench/faults.json"
-    path.parent.mkdir(parents=True, exist_ok=True)
-    with open(path.with_suffix(".lock"), "w") as lock:  # other workers may write at the same time
-        fcntl.flock(lock, fcntl.LOCK_EX)
-        known = read_json(path) if path.exists() else {}
-        write_json(dict(sorted((known | tally.counts).items())), path)
+    keep(tally.counts, ROOT / "results/bench/faults.json", commit(ROOT))
 
 
 @dataclass(frozen=True)

@@ -17,26 +17,31 @@ pytestmark = pytest.mark.workflow
 
 @pytest.mark.parametrize("kills", [3, pytest.param(20, marks=pytest.mark.slow)])
 def test_a_run_killed_at_random_moments_resumes(study, tally, kills):
-    """One run is killed again and again until it is done; then the next one, until all kills are spent."""
+    """One run is killed again and again until it is done; then the next one, until all kills are spent.
+
+    A kill is survived if the run it hit ends like an undisturbed one.
+    """
+    fault = "SIGKILL of the run"
     rng = np.random.default_rng(kills)
     spent = 0
     while spent < kills:
         in_this_run = 0
-        with tally.attempt("SIGKILL of the run", 0):
-            while spent < kills:
-                process = study.start()
-                # A moment between the start of Snakemake and the end of the third job from now.
-                study.wait_for_jobs(process, study.finished_jobs() + int(rng.integers(0, 3)))
-                time.sleep(rng.uniform(0, 2))
-                if process.poll() is not None:
-                    break
-                _kill(process)
-                spent, in_this_run = spent + 1, in_this_run + 1
-                study.assert_whole()
-                study.unlock()
-        with tally.attempt("SIGKILL of the run", in_this_run):
-            study.run()
-            study.assert_undisturbed()
+        while spent < kills:
+            process = study.start()
+            # A moment between the start of Snakemake and the end of the third job from now.
+            study.wait_for_jobs(process, study.finished_jobs() + int(rng.integers(0, 3)))
+            time.sleep(rng.uniform(0, 2))
+            if process.poll() is not None:
+                break
+            tally.tried(fault)
+            _kill(process)
+            spent, in_this_run = spent + 1, in_this_run + 1
+            study.assert_whole()
+            study.unlock()
+        study.run()
+        study.assert_undisturbed()
+        if in_this_run:
+            tally.survived(fault, in_this_run)
         shutil.rmtree(study.results)
 
 
@@ -49,18 +54,43 @@ def test_a_killed_job_is_named_and_done_again(done, tally):
     done.remove("score_maps", "build_space", "train_model")
     with tally.attempt("SIGKILL of a job"):
         process = done.start()
-        victims = []
-        while not victims and process.poll() is None:
-            victims = [child for child in psutil.Process(process.pid).children(recursive=True) if _runs(child, "score_maps.py")]
-            time.sleep(0.02)
-        assert victims, process.communicate()[0][-4000:]
-        victims[0].kill()
+        _wait_for(process, "score_maps.py").kill()
         output, _ = process.communicate()
         assert process.returncode != 0
         assert "score_maps" in output
         done.assert_whole()
         done.run()
         done.assert_undisturbed()
+
+
+def test_jobs_go_on_when_only_snakemake_is_killed_and_the_run_is_taken_up_after_them(done, tally):
+    done.remove("score_maps", "build_space", "train_model")
+    with tally.attempt("SIGKILL of Snakemake alone"):
+        process = done.start()
+        job = _wait_for(process, "score_maps.py")
+        jobs = psutil.Process(process.pid).children(recursive=True)
+        process.kill()
+        process.wait()
+        assert job.is_running()
+        assert "cannot be locked" in done.run(fails=True)
+        _, going_on = psutil.wait_procs(jobs, timeout=600)
+        process.communicate()
+        assert not going_on
+        assert list((done.results / "0/score_maps").rglob("maps.nc")), "what went on left nothing"
+        done.assert_whole()
+        done.unlock()
+        done.run()
+        done.assert_undisturbed()
+
+
+def _wait_for(process, script):
+    """The first job of a run that runs a script."""
+    while process.poll() is None:
+        for child in psutil.Process(process.pid).children(recursive=True):
+            if _runs(child, script):
+                return child
+        time.sleep(0.02)
+    raise AssertionError(process.communicate()[0][-4000:])
 
 
 def _runs(process, script):
