@@ -1,5 +1,5 @@
 # make          the whole steering study and its report
-# make small    the same study, shrunk to about a minute
+# make small    the same study, shrunk to about two minutes
 # make resampled the same study on walks resampled from recordings, its verdicts beside those of make (needs WALKLAB_DATA)
 # make real     leave-one-subject-out on real walks (needs WALKLAB_DATA)
 # make replicates   the study on 20 synthetic populations, without figures and ablations
@@ -129,7 +129,7 @@ lock:
 	    --no-emit-index-url --python-version 3.11 $(addprefix --no-emit-package ,$(QT)) - -o benchmarks/peers.lock
 
 clean:
-	rm -rf results .snakemake .venv .mypy_cache .ruff_cache .pytest_cache .import_linter_cache
+	rm -rf results .snakemake .venv .mypy_cache .ruff_cache .pytest_cache .import_linter_cache .hypothesis build
 
 .venv/ready: requirements.lock pyproject.toml
 	$(PYTHON) -c 'import sys; sys.exit("walklab needs Python 3.11 or newer") if sys.version_info < (3, 11) else None'

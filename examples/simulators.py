@@ -27,6 +27,8 @@ def model_from(arguments: list[str]) -> ProbabilisticModel:
     from walklab.fitting import fit_walks
     from walklab.steering.training import TrainingSettings
 
+    # Not the literal exponent of 1, with which drawn speeds are nearly uniform over the grid. No exponent can be learned from
+    # a few invented walks; 8 is set by hand, so that agents differ about as people do. A study learns it: see docs/model.md.
     columns = OwnColumns(participant="person", height="height_cm")
     settings = TrainingSettings(count=None, basis="multilinear", exponent=8.0)
     return fit_walks(OWN_WALKS, columns, height_unit="cm", dependencies=("length", "height"), settings=settings)
