@@ -3,10 +3,8 @@
 from dataclasses import dataclass
 from typing import Any
 
-import pandas as pd
 from numpy.typing import NDArray
 
-from map_inputs import indexed_vectors
 from planner_inputs import planner_of
 from walklab.capture.walks import Walk, read_walks
 from walklab.geometry.plans import load_plan
@@ -14,6 +12,7 @@ from walklab.geometry.scene import Scene
 from walklab.geometry.standing import Standing
 from walklab.planning.io import read_routes
 from walklab.planning.protocol import Planner
+from walklab.steering.dependencies import planned_vectors
 from walklab.steering.space import ParameterSpace
 from walklab.storage import read_table
 
@@ -57,8 +56,8 @@ def trial_inputs(snakemake: Any) -> TrialInputs:
     params, files = snakemake.params, snakemake.input
     planner, space = planner_of(params.planner, params.space)
     walks = read_walks(files.walks, files.samples)
-    table: pd.DataFrame = read_table(files.vectors).set_index("walk").loc[[walk.row["walk"] for walk in walks]]
-    vectors = indexed_vectors(table, params.dependencies, index="planned").to_numpy()
+    names = [walk.row["walk"] for walk in walks]
+    vectors = planned_vectors(read_table(files.vectors), params.dependencies["names"], names)
     scene = load_plan(files.plan).scene
     return TrialInputs(
         walks,

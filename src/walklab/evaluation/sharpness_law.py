@@ -103,3 +103,38 @@ def choose_law(scores: ExponentScores) -> tuple[SharpnessLaw, pd.DataFrame]:
     table = pd.DataFrame(rows)
     table["loss"] = (table["crps_s"] / table["crps_s"].min() + table["energy_m"] / table["energy_m"].min()) / 2
     return laws[best(everybody, every_law, True)], table
+
+
+def law_table(candidates: pd.DataFrame, law: SharpnessLaw, names: Sequence[str], vectors: Array, people: int) -> pd.DataFrame:
+    """What the law was chosen by, and what it says, for figures.
+
+    Parameters
+    ----------
+    candidates : DataFrame[model, kind, value, crps_s, coverage_90] of training
+    names, vectors : (D,) and (N, D) of the training walks
+    people : in training
+
+    Returns
+    -------
+    DataFrame[scenario, model, quantity, at, value], scenario ``training``: ``crps_by_exponent`` and ``coverage_by_exponent`` (of
+    90 % intervals); ``required_coverage`` at 0.9; ``crps_of_law`` and ``coverage_of_law``, nested, at the law's middle exponent;
+    ``exponent_by_<dependency>`` over that dependency's range in training
+    """
+    constants = candidates[(candidates["model"] == "P_Prob") & (candidates["kind"] == "exponent")]
+    nested = candidates[(candidates["model"] == "P_Prob") & (candidates["kind"] == "covering law")].iloc[0]
+    column = law.column or 0
+    places = np.linspace(vectors[:, column].min(), vectors[:, column].max(), 41)
+    asked = np.zeros((len(places), vectors.shape[1]))
+    asked[:, column] = places
+    parts = {
+        "crps_by_exponent": (constants["value"], constants["crps_s"]),
+        "coverage_by_exponent": (constants["value"], constants["coverage_90"]),
+        "required_coverage": ([NOMINAL], [required_coverage(people)]),
+        "crps_of_law": ([law.level], [nested["crps_s"]]),
+        "coverage_of_law": ([law.level], [nested["coverage_90"]]),
+        f"exponent_by_{names[column]}": (places, law.exponents(asked)),
+    }
+    frames = [
+        pd.DataFrame({"quantity": name, "at": np.asarray(at), "value": np.asarray(value)}) for name, (at, value) in parts.items()
+    ]
+    return pd.concat(frames, ignore_index=True).assign(scenario="training", model="P_Prob")

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import pandas as pd
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
@@ -21,6 +24,7 @@ from walklab.figures.style import (
     set_label,
     styled,
 )
+from walklab.steering.dependencies import DEPENDENCIES
 
 ORACLE = "best cell of the walk's own map"
 # What a calibration plot can hold: the models in question and the baselines that come nearest.
@@ -100,40 +104,61 @@ def fig_forecast_scores(table: pd.DataFrame) -> Figure:
 
 @styled
 def fig_calibration(table: pd.DataFrame) -> Figure:
-    """Nominal against observed coverage per scenario, and the CRPS by exponent.
+    """Nominal against observed coverage per scenario; and how the sharpness was chosen: scores, requirement, law.
 
     Parameters
     ----------
-    table : DataFrame[scenario, model, quantity (coverage, crps_by_exponent), at, value]
+    table : DataFrame[scenario, model, quantity (coverage, and those of :func:`walklab.evaluation.sharpness_law.law_table`), at,
+        value]
     """
     require(table, ["scenario", "model", "quantity", "at"], "fig_calibration", ["value"])
-    coverage, exponents = (table[table["quantity"] == name] for name in ("coverage", "crps_by_exponent"))
+    coverage = table[table["quantity"] == "coverage"]
     scenarios = list(dict.fromkeys(coverage["scenario"]))
-    figure = new_figure(DOUBLE_MM, 74)
-    panels = figure.subplots(1, len(scenarios) + 1)
+    figure = new_figure(DOUBLE_MM, 122)
+    above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.25, 1))[:, 0]
+    panels = above.subplots(1, len(scenarios), squeeze=False)[0]
     for index, scenario in enumerate(scenarios):
         ax = panels[index]
         ax.plot([0, 1], [0, 1], color=BLACK, lw=0.6)
         for model in SHOWN:
             rows = coverage[(coverage["scenario"] == scenario) & (coverage["model"] == model)]
             if len(rows):
-                ax.plot(rows["at"], rows["value"], label=model_label(forecast_name(model)), **line_of(model))
+                ax.plot(rows["at"], rows["value"], label=model_label(model), **line_of(model))
         ax.set(xlim=(0, 1), ylim=(0, 1), xlabel="nominal coverage (1)", ylabel="observed coverage (1)", aspect="equal")
         letter(ax, index, set_label(scenario))
-    figure.legend(handles=panels[0].get_lines()[1:], loc="outside lower center", ncols=4)
-    ax = panels[-1]
-    for number, (name, rows) in enumerate(exponents.groupby("scenario", sort=False)):
-        shade = BLACK if name == "training" else SET_COLOURS[(number - 1) % len(SET_COLOURS)]
-        ax.plot(rows["at"], rows["value"], "o-", color=shade, ms=2.5, label=set_label(str(name)))
-        if name == "training":
-            best = rows.iloc[int(np.argmin(rows["value"]))]
-            ax.plot(best["at"], best["value"], "o", mfc="white", mec=BLACK, ms=6)
-    ax.set(xscale="log", xlabel="exponent of the suitability (1)", ylabel="CRPS (s)", ylim=(0, None))
-    ax.set_xticks([1, 3, 10, 30, 80], ["1", "3", "10", "30", "80"], minor=False)
-    ax.xaxis.set_minor_locator(NullLocator())
-    ax.legend()
-    letter(ax, len(scenarios), "sharpness")
+    above.legend(handles=panels[0].get_lines()[1:], loc="outside right center")
+    _chosen_sharpness(below.subplots(1, 3), table, len(scenarios))
     return figure
+
+
+def _chosen_sharpness(panels: Sequence[Axes], table: pd.DataFrame, first: int) -> None:
+    """CRPS and coverage of every exponent, what is required, and the law that was chosen."""
+    parts = dict(iter(table.groupby("quantity", sort=False)))
+    (name,) = (quantity for quantity in parts if str(quantity).startswith("exponent_by_"))
+    law, wine = parts[name], colour("P_Prob (calibrated)")
+    span = [law["value"].min(), law["value"].max()]
+    for number, (scenario, rows) in enumerate(parts["crps_by_exponent"].groupby("scenario", sort=False)):
+        shade = BLACK if scenario == "training" else SET_COLOURS[(number - 1) % len(SET_COLOURS)]
+        panels[0].plot(rows["at"], rows["value"], "o-", color=shade, ms=2.5, label=set_label(str(scenario)))
+    held = parts["coverage_by_exponent"]
+    panels[1].plot(held["at"], held["value"], "o-", color=BLACK, ms=2.5, label="training")
+    required = float(parts["required_coverage"]["value"].iloc[0])
+    panels[1].axhline(required, color=BLACK, lw=0.8, ls=(0, (3, 2)), label="required in training")
+    for ax, measure in zip(panels, ("crps_of_law", "coverage_of_law"), strict=False):
+        # A law is no single exponent: it spans those that it gives to training walks.
+        value = float(parts[measure]["value"].iloc[0])
+        ax.plot(span, [value] * 2, color=wine, lw=1.8, marker="|", ms=7, label="law, nested")
+        ax.set(xscale="log", xlabel="exponent of the suitability (1)")
+        ax.set_xticks([1, 3, 10, 30, 80], ["1", "3", "10", "30", "80"], minor=False)
+        ax.xaxis.set_minor_locator(NullLocator())
+        ax.legend()
+    panels[0].set(ylabel="CRPS (s)", ylim=(0, None))
+    panels[1].set(ylabel="inside the 90 % interval (1)", ylim=(min(0.4, float(held["value"].min())), 1.0))
+    dependency = DEPENDENCIES[str(name).removeprefix("exponent_by_")]
+    panels[2].plot(law["at"], law["value"], color=wine, drawstyle="steps-mid", lw=1.4)
+    panels[2].set(xlabel=f"{dependency.name.replace('_', ' ')} ({dependency.unit})", ylabel="exponent (1)", ylim=(0, None))
+    for index, (ax, title) in enumerate(zip(panels, ("by the scores", "by coverage", "the law"), strict=True)):
+        letter(ax, first + index, title)
 
 
 @styled

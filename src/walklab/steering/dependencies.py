@@ -23,6 +23,7 @@ __all__ = [
     "dependency_vectors",
     "fit_domain",
     "fit_scaling",
+    "planned_vectors",
     "smoothed_route",
 ]
 
@@ -111,6 +112,16 @@ def dependency_vectors(
         if "curvature" in names:
             columns["curvature"] = np.array([_curvature(path, curvature, curvature_scale_m) for path in paths])
     return pd.DataFrame({name: columns[name] for name in names}, index=pd.Index(walks["walk"], name="walk"), dtype=float)
+
+
+def planned_vectors(table: pd.DataFrame, names: Sequence[str], walks: Sequence[str]) -> Array:
+    """(W, D) run-time vectors of some walks, in the order asked for: the planned ones, also where a table holds both.
+
+    Parameters
+    ----------
+    table : DataFrame[walk, planned_<name>, captured_<name>]
+    """
+    return table.set_index("walk").loc[list(walks), [f"planned_{name}" for name in names]].to_numpy(dtype=float)
 
 
 def smoothed_route(route_m: Array, sigma_samples: float = 2.0) -> Array:

@@ -23,7 +23,6 @@ from walklab.evaluation.calibration_files import read_calibration, write_calibra
 from walklab.evaluation.extended import extended_table, log_times, personal_columns
 from walklab.evaluation.forecasts import INFORMED, Asked, Known, all_forecasts
 from walklab.evaluation.learned_baselines import gaussian_process, personal_regression, quantile_regression, with_residuals
-from walklab.evaluation.sharpness_law import ExponentScores, choose_law, required_coverage
 from walklab.evaluation.subject_scores import OWN_MAP
 from walklab.planning.tracing import Traces
 from walklab.steering.blending_space import homogenise
@@ -204,60 +203,41 @@ def test_extended_model_learns_the_pace_of_people() -> None:
     assert with_pace["crps_earlier_s"].idxmin() == 40.0
 
 
-def test_extended_scores_of_a_participant_are_by_a_pace_of_the_others() -> None:
-    """Brute force, one person after the other, from walks in which that person does not occur."""
+def given_pace(effect: PaceEffect, rest: float, variance: np.ndarray) -> tuple[np.ndarray, float]:
+    """Spread of somebody new in the logarithm of the time, and its degrees of freedom."""
+    own = np.sqrt(variance + rest**2)
+    return np.hypot(effect.new_person_sd, own), effect.freedom(effect.new_person_sd, float(own.mean()))
+
+
+@pytest.mark.parametrize("degree", [0, 1, 2])
+def test_extended_scores_of_a_participant_are_by_a_pace_of_the_others(degree: int) -> None:
+    """Brute force, one person after the other, from walks in which that person does not occur: trend, pace and rest."""
     given = evidence(40.0, 160, 0.1)
     owners = np.array(given.participants)
-    table = extensions(given, (40.0,)).set_index("degree")
+    row = extensions(given, (40.0,)).set_index("degree").loc[degree]
     moments = log_times(given.traces.travel_s, Sharpness("exponent", 40.0).density(given.suitability, given.volumes))
     left = np.log(given.captured_s) - moments.mean
-    crps = []
+    crps, held = [], []
     for name in PEOPLE:
         own, others = owners == name, owners != name
-        effect = fit_pace(left[others], owners[others].tolist())
-        about = left[others] - np.mean([left[owners == each].mean() for each in PEOPLE if each != name])
-        rest = rest_of(about, owners[others].tolist(), moments.variance[others])
-        spread = np.sqrt(effect.new_person_sd**2 + moments.variance[own] + rest**2)
-        crps.append(sr.crps_lognormal(given.captured_s[own], moments.mean[own] + effect.mean, spread).mean())
-    assert table.loc[0, "crps_s"] == pytest.approx(np.mean(crps), rel=1e-6)
+        known = owners[others].tolist()
+        # The length alone has a trend: the height never changes within a person.
+        trend = fit_trend(left[others], given.vectors[others], known, [0], [True], degree)
+        about = left[others] - trend(given.vectors[others])
+        effect, rest = fit_pace(about, known), rest_of(about, known, moments.variance[others])
+        spread, freedom = given_pace(effect, rest, moments.variance[own])
+        mean = moments.mean[own] + trend(given.vectors[own]) + effect.mean
+        crps.append(sr.crps_lognormal(given.captured_s[own], mean, spread).mean())
+        reach = stats.t.ppf(0.95, freedom) * spread
+        held.append((np.abs(np.log(given.captured_s[own]) - mean) <= reach).mean())
+    assert row["crps_s"] == pytest.approx(np.mean(crps), rel=1e-6)
+    assert row["coverage_90"] == pytest.approx(np.mean(held))
 
 
 def test_personal_dependencies_are_those_that_never_change_within_a_person() -> None:
     given = evidence(10.0, 80)
     assert personal_columns(given.vectors, given.participants) == (1,)
     assert personal_columns(given.vectors[:, :1], given.participants) == ()
-
-
-def scores_by_law(rng: np.random.Generator, people: int = 30) -> ExponentScores:
-    """Walks whose right exponent is 4 at d = 0 and 32 at d = 1; sharper intervals hold less."""
-    d = rng.uniform(0, 1, (people * 20, 1))
-    away = np.log2(np.array(LADDER)) - (2 + 3 * d)
-    held = rng.random(len(d))[:, None] < np.clip(0.9 - 0.1 * away, 0, 1)
-    owners = [f"p{i % people}" for i in range(len(d))]
-    return ExponentScores(owners, d, 1 + away**2, 1 + away**2, held)
-
-
-def test_law_of_the_exponent_is_found_and_covers_a_new_person() -> None:
-    scores = scores_by_law(np.random.default_rng(3))
-    law, table = choose_law(scores)
-    assert law.column == 0
-    assert law.slope > 0.25
-    table = table.set_index("kind")
-    assert table.loc["law", "loss"] < table.loc["constant", "loss"]
-    assert table.loc["covering law", "coverage_90"] > table.loc["law", "coverage_90"]
-    assert required_coverage(9) == required_coverage(3) == 0.9  # too few to promise anything
-    walks = np.arange(len(scores.participants))
-    assert scores.covered[walks, law.rungs(scores.vectors)].mean() >= required_coverage(30) == pytest.approx(0.93)
-
-
-def test_nested_scores_of_a_participant_are_by_a_law_of_the_others() -> None:
-    """With two people who need opposite exponents, each is scored by what suits the other."""
-    sharp, flat = (1 + (np.log2(np.array(LADDER)) - right) ** 2 for right in (6.0, 0.0))
-    scores = np.stack([sharp, flat])
-    held = np.ones((2, len(LADDER)), bool)
-    given = ExponentScores(["a", "b"], np.zeros((2, 1)), scores, scores, held)
-    table = choose_law(given)[1].set_index("kind")
-    assert table.loc["constant", "crps_s"] == pytest.approx(1 + 36)
 
 
 def test_calibration_survives_its_file(tmp_path) -> None:

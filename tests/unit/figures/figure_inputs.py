@@ -177,6 +177,10 @@ def calibration() -> pd.DataFrame:
     rows = [("s", m, "coverage", at, at * 0.9) for m in models for at in (0.2, 0.5, 0.9)]
     rows += [("s", m, "pit", at, 0.25) for m in models for at in (0.125, 0.375, 0.625, 0.875)]
     rows += [(s, "P_Prob", "crps_by_exponent", at, 1 / at) for s in ("training", "s") for at in (1.0, 10.0, 80.0)]
+    rows += [("training", "P_Prob", "coverage_by_exponent", at, 1 - at / 160) for at in (1.0, 10.0, 80.0)]
+    rows += [("training", "P_Prob", f"{name}_of_law", 10.0, value) for name, value in (("crps", 0.2), ("coverage", 0.94))]
+    rows += [("training", "P_Prob", "required_coverage", 0.9, 0.93)]
+    rows += [("training", "P_Prob", "exponent_by_curvature", at, 8 + 4 * at) for at in (0.0, 0.5, 1.0)]
     return pd.DataFrame(rows, columns=["scenario", "model", "quantity", "at", "value"])
 
 
