@@ -35,6 +35,7 @@ from walklab.geometry.plans import Plan
 
 TRACK: dict[str, Any] = {"linewidths": 0.5, "alpha": 0.15, "colors": BLACK, "rasterized": True}
 # Lighter where other walks are drawn over them; darker than an obstacle.
+NAME_M = 0.6  # about the width of a short name in a plan view
 UNDER = {**TRACK, "alpha": 0.12, "colors": "#8A8A8A"}
 ARROW: dict[str, Any] = {"arrowstyle": "-|>,head_width=0.14,head_length=0.28", "color": PUBLISHED, "lw": 0.8}
 DASHES: dict[str, Any] = {"Ref": "-", "P_Stat": (0, (4, 1.5)), "P_Adapt": (0, (1, 1)), "P_Prob": "-"}
@@ -147,7 +148,11 @@ def _draw_obstacles(ax: Axes, plan: Plan, names: bool = False) -> None:
     for name, polygon in plan.scene.obstacles.items():
         ax.add_patch(Patch(np.asarray(polygon.exterior.coords), closed=True, fc=OBSTACLE, ec="#8C8C8C", lw=0.6, zorder=1))
         if names:
-            ax.annotate(set_label(name), polygon.representative_point().coords[0], ha="center", va="center", fontsize=6)
+            # A name fits along the longer side.
+            left, bottom, right, top = polygon.bounds
+            turned = 90 if right - left < NAME_M < top - bottom else 0
+            at = polygon.representative_point().coords[0]
+            ax.annotate(set_label(name), at, ha="center", va="center", fontsize=6, rotation=turned)
 
 
 def _draw_stations(ax: Axes, plan: Plan) -> None:
@@ -217,9 +222,11 @@ def fig10(plans: Mapping[str, Plan], captured: Mapping[str, pd.DataFrame], simul
             ax.plot(*at.position_m, "s", mfc="white", mec=BLACK, ms=3.5, mew=0.8, zorder=6)
             if station not in plan.scene.obstacles:
                 ax.annotate(
-                    set_label(station), at.position_m, (0, -5), textcoords="offset points", ha="center", va="top", fontsize=6,
+                    set_label(station), at.position_m, (0, -12), textcoords="offset points", ha="center", va="top", fontsize=6,
                     zorder=7, bbox={"fc": "white", "ec": "none", "alpha": 0.75, "pad": 0.5},
                 )  # fmt: skip
+                # Room for the name, below the walks that turn here.
+                ax.update_datalim([np.asarray(at.position_m) - [0.0, 0.65]])
         ax.autoscale_view()
         ax.set_aspect("equal", adjustable="datalim")
         ax.set(xlabel="x (m)", ylabel="y (m)")
@@ -237,7 +244,9 @@ def _draw_simulated(ax: Axes, simulated: pd.DataFrame) -> list[str]:
     models = ordered_models(list(simulated["model"]))
     for depth, model in enumerate(models):
         rows = simulated[simulated["model"] == model]
-        ax.plot(rows["x_m"], rows["y_m"], color=colour(model), ls=DASHES.get(model, "-"), lw=1.2, zorder=3 + 0.1 * depth)
+        # Paths may coincide: what lies below is wider, so that its edges show.
+        width = 1.2 if model == "Ref" else 1.0 + 0.9 * (len(models) - 1 - depth)
+        ax.plot(rows["x_m"], rows["y_m"], color=colour(model), ls=DASHES.get(model, "-"), lw=width, zorder=3 + 0.1 * depth)
         half_seconds = np.floor(rows["time_s"].to_numpy() / 0.5 + 1e-6)
         dots = rows[np.append(True, np.diff(half_seconds) > 0)]
         ax.plot(dots["x_m"], dots["y_m"], "o", color=colour(model), ms=2.4, zorder=4 + 0.1 * depth)

@@ -22,6 +22,7 @@ VERDICTS: dict[str, tuple[str, str]] = {
 }
 ROW_MM = 3.4
 LABEL_CHARACTERS = 56
+TINY = "< 0.001"
 REACH = 4.0  # the ratio axis ends here on both sides; what lies beyond is an arrowhead at its end
 
 
@@ -108,7 +109,9 @@ def _texts(ax: Axes, rows: pd.DataFrame) -> None:
         if np.isfinite(row["ours"]):
             write(1.56, place, _short(row["ours"]), "right")
         if np.isfinite(row["ours_low"]):
-            write(1.64, place, f"{_short(row['ours_low'])} … {_short(row['ours_high'])}")
+            low, high = _short(row["ours_low"]), _short(row["ours_high"])
+            tiny = row["ours_low"] >= 0 and 0 < row["ours"] < 0.001 and row["ours_high"] < 0.001
+            write(1.64, place, TINY if tiny else f"{low} … {high}")
 
 
 def _shortened(text: str) -> str:
@@ -116,5 +119,5 @@ def _shortened(text: str) -> str:
 
 
 def _short(value: float) -> str:
-    """Three significant digits; what is zero but for rounding is zero."""
-    return "0" if abs(value) < 1e-12 else f"{value:.3g}"
+    """Three significant digits; of what is smaller than anything that is told apart here, such as a p, only that."""
+    return TINY if 0 < value < 0.001 else f"{value:.3g}"
