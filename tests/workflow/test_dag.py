@@ -3,14 +3,20 @@
 import json
 import os
 import re
+import shutil
 import signal
 import time
+import warnings
+from pathlib import Path
 
 import pandas as pd
 import pytest
 
+from walklab import OutsideTrainingRange
+
 pytestmark = pytest.mark.workflow
 
+ROOT = Path(__file__).parents[2]
 TINY = ("--configfile", "tests/workflow/tiny.yaml")
 
 
@@ -166,8 +172,7 @@ def test_an_edited_comment_reruns_nothing_but_the_list_of_assumptions(finished_c
 def test_an_edited_module_reruns_exactly_its_dependents(finished_copy):
     edit(finished_copy.folder / "src/walklab/evaluation/production.py", "\nfrom ", "\nEDITED = True\nfrom ")
     rerun = jobs(finished_copy.run("--dry-run", "--cores", "2", *TINY))
-    assert "estimate_saving" in rerun
-    assert rerun <= {"estimate_saving", "check_claims", "draw_claims", "publish_scores", *LISTING}
+    assert rerun == {"estimate_saving", "check_claims", "draw_claims", "publish_scores", "describe_model", *LISTING}
 
 
 def test_a_changed_parameter_reruns_its_stage_and_what_follows(finished_copy):
@@ -244,3 +249,53 @@ def test_own_walks_go_through_the_same_chain(project):
     scores = pd.read_csv(project.folder / "results/own/scores.csv")
     assert {"P_Stat", "P_Adapt", "P_Prob"} <= set(scores["model"])
     assert scores.groupby("model")["participant"].nunique().min() >= 2
+
+
+ACCLAIM = {
+    "run": "acclaim",
+    "source": {"path": "recordings"},
+    "blending_space": {"entries": None},
+    "model": {"k": 3},
+    "cross_validate": {"draws": 5},
+    "shards": 1,
+    "planner": {"options": {"cell_m": 0.05}, "time_limit_s": 15},
+    "space": [
+        {"name": "v", "unit": "m/s", "values": [0.7, 1.3]},
+        {"name": "a", "unit": "m/s²", "values": [0.5, 1.5]},
+        {"name": "omega", "unit": "1/m", "values": [0.8, 1.6]},
+    ],
+}
+
+
+def test_acclaim_recordings_go_through_the_same_chain(project):
+    data = Path(os.environ["WALKLAB_DATA"]).resolve() / "cmu_walk_amc/data"
+    if not data.is_dir():
+        pytest.skip(f"no recordings: {data} does not exist; set WALKLAB_DATA")
+    subjects = [folder for folder in sorted(data.iterdir()) if len(list(folder.glob("*.amc"))) >= 3][:3]
+    for folder in subjects:
+        copied = project.folder / "recordings" / folder.name
+        copied.mkdir(parents=True)
+        for file in [*folder.glob("*.asf"), *sorted(folder.glob("*.amc"))[:3]]:
+            shutil.copy(file, copied)
+    (project.folder / "acclaim.yaml").write_text(json.dumps(ACCLAIM))
+    configurations = ("config/cmu.yaml", "tests/workflow/tiny.yaml", "acclaim.yaml")
+    project.run("--cores", "2", "--configfile", *configurations, "--until", "publish_scores")
+    scores = pd.read_csv(project.folder / "results/acclaim/scores.csv")
+    people = scores.groupby("model")["participant"].nunique()
+    assert {"P_Stat", "P_Adapt", "P_Prob", "climatology", "regression"} <= set(people.index)
+    assert (people == len(subjects)).all(), "a row per subject and model"
+    assert not scores.duplicated(["participant", "model"]).any()
+    assert scores["crps_s"].gt(0).all()
+
+
+def test_the_examples_of_the_page_on_the_model_run_on_a_study(finished, monkeypatch):
+    text = (ROOT / "docs/model.md").read_text().replace("results/steering", "results/tiny")
+    names: dict[str, object] = {}
+    monkeypatch.chdir(finished.folder)
+    blocks = re.findall(r"```python\n(.*?)```", text, flags=re.DOTALL)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", OutsideTrainingRange)  # four people's walks are no study
+        for block in blocks:
+            exec(block, names)
+        drawn = [eval(line.split("  #")[0], names) for block in blocks for line in block.splitlines() if ", 3)" in line]
+    assert [draws.shape for draws in drawn] == [(100, 3)] * 3, "the literal, the calibrated and the extended model"

@@ -71,7 +71,11 @@ def fig03(classes: pd.DataFrame, published_count: int | None = None) -> Figure:
     stated = bounds[np.isfinite(bounds["published_cumulative_share"])]
     count = "" if published_count is None else f" (n = {published_count})"
     bottom.plot(
-        stated["high_m"], 100 * stated["published_cumulative_share"], label=f"published{count}", zorder=5, **PUBLISHED_MARK
+        stated["high_m"],
+        100 * stated["published_cumulative_share"],
+        label=f"published, of a whole plant{count}",
+        zorder=5,
+        **PUBLISHED_MARK,
     )
     bottom.set(xlabel="planned distance at most (m)", ylabel="walks, cumulative (%)", ylim=(0, 104))
     bottom.grid(axis="y")
