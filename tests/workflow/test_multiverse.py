@@ -45,6 +45,9 @@ def test_the_multiverse_contains_the_study_and_resumes(finished_copy):
 
     before = finished_copy.checksums()
     shutil.rmtree(folder / "evaluate_specification/turn_exponent-low")
+    for path in folder.iterdir():  # Snakemake misses no intermediate file while what was made from it is there
+        if path.name not in {"list_specifications", "record_population", "evaluate_specification"}:
+            shutil.rmtree(path) if path.is_dir() else path.unlink()
     output = finished_copy.run("--cores", "1", *ARGUMENTS)
     assert finished_copy.checksums() == before
     assert "record population" not in output
