@@ -82,7 +82,7 @@ def test_every_model_has_its_colour_in_every_figure() -> None:
     ticks = [text.get_text() for text in fig15.axes[0].get_xticklabels()]
     boxes = {round(np.mean(p.get_path().vertices[:4, 0])): to_hex(p.get_facecolor()).upper() for p in fig15.axes[0].patches}
     used["P_Prob"].add(boxes[ticks.index("$P_{Prob}$")])
-    lines = [line for line in fig10.axes[0].get_lines() if line.get_linewidth() == 1.2]
+    lines = [line for line in fig10.axes[0].get_lines() if line.get_marker() == "None"]
     for line, name in zip(lines, papers, strict=True):
         used[name].add(to_hex(line.get_color()).upper())
     means = [line for line in scores.axes[0].get_lines() if line.get_marker() == "D"]

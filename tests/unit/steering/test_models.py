@@ -108,7 +108,7 @@ def test_settings_that_cannot_be_are_refused(model):
 
 
 def test_a_dependency_can_be_left_out(world):
-    settings = TrainingSettings("min_max", 120, 20, 3, k=20)
+    settings = TrainingSettings("min_max", count=120, neighbours=20, subset=3, k=20)
     bare = train(world.scores, world.vectors[["height"]], world.participants, world.space, settings, np.random.default_rng(0))
     assert bare.dependencies == ("height",)
     assert bare.dependency_units == ("m",)
@@ -119,7 +119,7 @@ def test_a_dependency_can_be_left_out(world):
 
 
 def test_a_model_without_dependencies_blends_all_walks(world):
-    settings = TrainingSettings("min_max", None, k=5)
+    settings = TrainingSettings("min_max", count=None, k=5)
     none = train(world.scores, world.vectors[[]], world.participants, world.space, settings, np.random.default_rng(0))
     assert none.blend(np.zeros((2, 0))) == pytest.approx(np.tile(none.blending.maps.mean(axis=0), (2, 1)))
     assert none.parameters(np.zeros((4, 0)), generators(4)).shape == (4, 2)
