@@ -81,6 +81,8 @@ REPLICATED = CONFIG["replicates"] > 1
 RECOVERED = CONFIG["run"] == "recovery"
 SHARDS = range(CONFIG["shards"])
 SCENARIOS = list(CONFIG["scenarios"])
+# The priority of figures. Nothing but the report waits for them, and jobs that short keep every core busy to the end.
+LAST = -1
 
 
 wildcard_constraints:

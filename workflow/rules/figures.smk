@@ -22,6 +22,7 @@ rule draw_fig03:
         first(stage("draw_fig03", "log.txt")),
     benchmark:
         first(stage("draw_fig03", "benchmark.tsv"))
+    priority: LAST
     params:
         code=code("draw_fig03.py"),
     script:
@@ -39,6 +40,7 @@ rule draw_fig04:
         first(stage("draw_fig04", "log.txt")),
     benchmark:
         first(stage("draw_fig04", "benchmark.tsv"))
+    priority: LAST
     params:
         code=code("draw_fig04.py"),
     script:
@@ -54,6 +56,7 @@ rule draw_realism:
         first(stage("draw_realism", "log.txt")),
     benchmark:
         first(stage("draw_realism", "benchmark.tsv"))
+    priority: LAST
     params:
         code=code("draw_realism.py"),
     script:
@@ -69,6 +72,7 @@ rule draw_fig05:
         first(stage("draw_fig05", "log.txt")),
     benchmark:
         first(stage("draw_fig05", "benchmark.tsv"))
+    priority: LAST
     params:
         **section("blending_space"),
         code=code("draw_fig05.py"),
@@ -85,6 +89,7 @@ rule draw_fig06:
         first(stage("draw_fig06", "log.txt")),
     benchmark:
         first(stage("draw_fig06", "benchmark.tsv"))
+    priority: LAST
     params:
         code=code("draw_fig06.py"),
     script:
@@ -101,6 +106,7 @@ rule draw_dependency_clouds:
         first(stage("draw_dependency_clouds", "log.txt")),
     benchmark:
         first(stage("draw_dependency_clouds", "benchmark.tsv"))
+    priority: LAST
     params:
         **section("dependencies"),
         code=code("draw_dependency_clouds.py"),
@@ -117,6 +123,7 @@ rule draw_fig08:
         first(stage("draw_fig08", "log.txt")),
     benchmark:
         first(stage("draw_fig08", "benchmark.tsv"))
+    priority: LAST
     params:
         **section("draw_fig08"),
         code=code("draw_fig08.py"),
@@ -133,6 +140,7 @@ rule draw_fig09:
         first(stage("draw_fig09", "log.txt")),
     benchmark:
         first(stage("draw_fig09", "benchmark.tsv"))
+    priority: LAST
     params:
         **TRIALS,
         code=code("draw_fig09.py"),
@@ -152,6 +160,7 @@ rule draw_fig10:
         first(stage("draw_fig10", "log.txt")),
     benchmark:
         first(stage("draw_fig10", "benchmark.tsv"))
+    priority: LAST
     params:
         **section("seed", "scenarios", "planner", "space", "dependencies"),
         code=code("draw_fig10.py"),
@@ -169,6 +178,7 @@ rule draw_fig13:
         first(stage("draw_fig13", "log.txt")),
     benchmark:
         first(stage("draw_fig13", "benchmark.tsv"))
+    priority: LAST
     params:
         code=code("draw_fig13.py"),
     script:
@@ -186,6 +196,7 @@ rule draw_fig14:
         first(stage("draw_fig14", "log.txt")),
     benchmark:
         first(stage("draw_fig14", "benchmark.tsv"))
+    priority: LAST
     params:
         code=code("draw_fig14.py"),
     script:
@@ -202,6 +213,7 @@ rule draw_fig15:
         first(stage("draw_fig15", "log.txt")),
     benchmark:
         first(stage("draw_fig15", "benchmark.tsv"))
+    priority: LAST
     params:
         code=code("draw_fig15.py"),
     script:
@@ -217,6 +229,7 @@ rule draw_claims:
         first(stage("draw_claims", "log.txt")),
     benchmark:
         first(stage("draw_claims", "benchmark.tsv"))
+    priority: LAST
     params:
         code=code("draw_claims.py"),
     script:
@@ -237,6 +250,7 @@ if SYNTHETIC:
             first(stage("draw_forecasts", "log.txt")),
         benchmark:
             first(stage("draw_forecasts", "benchmark.tsv"))
+        priority: LAST
         params:
             code=code("draw_forecasts.py"),
         script:
@@ -254,6 +268,7 @@ else:
             first(stage("draw_scores", "log.txt")),
         benchmark:
             first(stage("draw_scores", "benchmark.tsv"))
+        priority: LAST
         params:
             code=code("draw_scores.py"),
         script:
@@ -278,6 +293,7 @@ rule draw_fig11:
         first(stage("draw_fig11", "log.txt")),
     benchmark:
         first(stage("draw_fig11", "benchmark.tsv"))
+    priority: LAST
     params:
         code=code("draw_errors.py"),
         scenario=SCENARIOS[0],
@@ -305,6 +321,7 @@ rule draw_fig12:
         first(stage("draw_fig12", "log.txt")),
     benchmark:
         first(stage("draw_fig12", "benchmark.tsv"))
+    priority: LAST
     params:
         code=code("draw_errors.py"),
         scenario=SCENARIOS[1],

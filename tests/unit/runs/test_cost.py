@@ -3,6 +3,7 @@
 import json
 import subprocess
 import sys
+import time
 
 import pytest
 
@@ -26,6 +27,15 @@ def test_a_job_measures_a_peak_that_is_over_and_what_came_before_it(tmp_path):
     assert 220 < found["peak_memory_mb"] < 600
     assert found["cpu_s"] >= 0.3
     assert found["wall_s"] >= 0.3
+
+
+def test_a_job_does_not_say_that_it_took_longer_than_from_its_start_to_its_end(tmp_path):
+    for turn in range(3):  # the time of day of a start, to a second, would be right by chance
+        began = time.perf_counter()
+        subprocess.run([sys.executable, "-c", JOB, str(tmp_path)], check=True)
+        took_s = time.perf_counter() - began
+        assert json.loads((tmp_path / cost.FILE).read_text())["wall_s"] <= took_s + 0.02, turn
+        time.sleep(0.3)
 
 
 def test_the_memory_of_the_program_that_started_a_job_is_not_counted(tmp_path):
