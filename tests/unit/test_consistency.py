@@ -29,7 +29,7 @@ def configuration(overrides: dict) -> dict:
 
 @pytest.mark.parametrize("name", ["config/config.yaml", "config/small.yaml", "config/cmu.yaml", "config/own.yaml"])
 def test_every_configuration_of_the_project_is_consistent(name):
-    require_consistent(configuration(yaml.safe_load((ROOT / name).read_text())))
+    assert require_consistent(configuration(yaml.safe_load((ROOT / name).read_text()))) is None
 
 
 def axis(name: str, *values: float) -> dict:
@@ -68,7 +68,10 @@ def test_values_that_do_not_fit_are_named_in_one_line(overrides, expected):
 
 
 def test_own_walks_may_be_fewer_or_more_than_the_synthetic_ones():
-    require_consistent(configuration({"source": {"kind": "table", "path": "x.csv"}, "blending_space": {"entries": 500}}))
+    few = {"source": {"kind": "table", "path": "x.csv"}, "blending_space": {"entries": 500}}
+    assert require_consistent(configuration(few)) is None
+    with pytest.raises(InputError):
+        require_consistent(configuration({"blending_space": {"entries": 500}}))
 
 
 def test_the_papers_walks_are_counted():

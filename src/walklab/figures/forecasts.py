@@ -4,17 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
+from walklab.figures.forest import forecast_name, forest_legend, forest_of_scores, name_rows
 from walklab.figures.style import (
     BLACK,
     DOUBLE_MM,
-    FAINT,
     SET_COLOURS,
     colour,
     letter,
@@ -26,7 +24,6 @@ from walklab.figures.style import (
 )
 from walklab.steering.dependencies import DEPENDENCIES
 
-ORACLE = "best cell of the walk's own map"
 # What a calibration plot can hold: the models in question and the baselines that come nearest.
 SHOWN = (
     "P_Stat",
@@ -41,19 +38,10 @@ SHOWN = (
 DASHES = {"regression": (0, (4, 1.5)), "Gaussian process": (0, (1, 1.2)), "log regression, earlier walks": (0, (5, 1, 1, 1))}
 
 
-def forecast_name(model: str) -> str:
-    """A forecast's name as it is read: the two models that give one time have the spread of their training residuals here."""
-    return f"{model} with residual spread" if model in ("P_Stat", "P_Adapt") else model
-
-
 def line_of(model: str) -> dict[str, object]:
     """Colour and dashes of a model's line."""
     earlier = (0, (2, 1)) if model.startswith("P_") and "earlier" in model else "-"
     return {"color": colour(model), "ls": DASHES.get(model, earlier), "lw": 1.4 if model.startswith("P_Prob") else 1.0}
-
-
-def _tick(model: str) -> str:
-    return "best cell of own map (oracle)" if model == ORACLE else model_label(forecast_name(model))
 
 
 @styled
@@ -70,35 +58,12 @@ def fig_forecast_scores(table: pd.DataFrame) -> Figure:
     scenarios, models = list(dict.fromkeys(rows["scenario"])), list(dict.fromkeys(rows["model"]))
     figure = new_figure(DOUBLE_MM, 22 + 5.6 * len(models))
     panels = figure.subplots(1, 2, sharey=True)
-    offsets = 0.32 * (np.arange(len(scenarios)) - (len(scenarios) - 1) / 2)
-    markers = "os^v"
     for index, (ax, measure) in enumerate(zip(panels, ("crps_s", "coverage_90"), strict=True)):
-        if measure == "coverage_90":
-            ax.axvspan(0.86, 0.94, color=FAINT, alpha=0.5, lw=0)
-            ax.axvline(0.9, color=BLACK, lw=0.7, ls=(0, (3, 2)))
-        for place, model in enumerate(models):
-            if model == ORACLE and measure == "coverage_90":
-                continue  # a single time has no interval
-            for number, scenario in enumerate(scenarios):
-                row = rows[(rows["model"] == model) & (rows["scenario"] == scenario)].iloc[0]
-                height = place + offsets[number]
-                ax.plot([row[f"{measure}_low"], row[f"{measure}_high"]], [height] * 2, color=colour(model), lw=1.1)
-                fill = colour(model) if row["information"] == "task" else "white"
-                ax.plot(row[measure], height, markers[number % 4], color=colour(model), mfc=fill, ms=4)
-        ax.set(ylim=(len(models) - 0.4, -0.6), xlabel={"crps_s": "CRPS (s)"}.get(measure, "walks inside the 90 % interval (1)"))
-        ax.tick_params(axis="y", length=0)
-        ax.grid(axis="x")
+        columns = {measure: "value", f"{measure}_low": "low", f"{measure}_high": "high"}
+        forest_of_scores(ax, rows.rename(columns=columns), measure, models, scenarios)
         letter(ax, index)
-    panels[0].set_xlim(left=0)
-    panels[0].set_yticks(range(len(models)), [_tick(model) for model in models])
-    handles = [
-        Line2D([], [], marker=markers[number % 4], color=BLACK, ls="none", ms=4, label=set_label(scenario))
-        for number, scenario in enumerate(scenarios)
-    ]
-    handles.append(
-        Line2D([], [], marker="o", color=BLACK, mfc="white", ls="none", ms=4, label="knows earlier walks, or the walk")
-    )
-    figure.legend(handles=handles, loc="outside upper right", ncols=len(handles))
+    name_rows(panels[0], models)
+    forest_legend(figure, scenarios)
     return figure
 
 

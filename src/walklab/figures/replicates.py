@@ -4,32 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from walklab.figures.claims import VERDICTS
-from walklab.figures.forecasts import ORACLE
-from walklab.figures.style import (
-    BLACK,
-    DOUBLE_MM,
-    FAINT,
-    colour,
-    letter,
-    model_label,
-    new_figure,
-    require,
-    set_label,
-    styled,
-)
+from walklab.figures.forest import forest, forest_legend, forest_of_scores, name_rows
+from walklab.figures.style import BLACK, DOUBLE_MM, letter, model_label, new_figure, require, styled
 
 ROW_MM = 3.0
 STATEMENT_CHARACTERS = 62
-MARKERS = "os^v"
 DIFFERENCE = "crps_difference_s"
 # The two models whose differences from every other forecast are drawn; the table has those of the others.
 COMPARED = ("P_Prob (calibrated)", "P_Prob (extended)")
-GOAL = (0.86, 0.94)  # of the 90 % interval
 
 
 @styled
@@ -91,40 +77,15 @@ def fig_pooled_scores(table: pd.DataFrame) -> Figure:
     models = list(dict.fromkeys(rows[rows["measure"] == "crps_s"]["model"]))
     figure = new_figure(DOUBLE_MM, 22 + 6.0 * len(models))
     panels = figure.subplots(1, 2 + len(COMPARED), sharey=True, width_ratios=(1.1, 1.1, 1, 1))
-    for index, (ax, measure) in enumerate(zip(panels[:2], ("crps_s", "coverage_90"), strict=True)):
-        chosen = rows[(rows["measure"] == measure) & ~((rows["model"] == ORACLE) & (measure == "coverage_90"))]
-        _forest(ax, chosen, "model", models, scenarios)
-        ax.set_xlabel({"crps_s": "CRPS (s)"}.get(measure, "walks inside the\n90 % interval (1)"))
-        letter(ax, index)
-    panels[0].set_xlim(left=0)
-    panels[1].axvspan(*GOAL, color=FAINT, alpha=0.5, lw=0)
-    panels[1].axvline(0.9, color=BLACK, lw=0.7, ls=(0, (3, 2)))
-    for index, (ax, model) in enumerate(zip(panels[2:], COMPARED, strict=True)):
+    for ax, measure in zip(panels[:2], ("crps_s", "coverage_90"), strict=True):
+        forest_of_scores(ax, rows[rows["measure"] == measure], measure, models, scenarios)
+    for ax, model in zip(panels[2:], COMPARED, strict=True):
         ax.axvline(0, color=BLACK, lw=0.7)
-        _forest(ax, rows[(rows["measure"] == DIFFERENCE) & (rows["model"] == model)], "against", models, scenarios)
+        compared = rows[(rows["measure"] == DIFFERENCE) & (rows["model"] == model)]
+        forest(ax, compared, models, scenarios, "against")
         ax.set_xlabel(f"CRPS of {model_label(model)}\nminus that of the row (s)")
-        letter(ax, index + 2)
-    panels[0].set_yticks(range(len(models)), ["best cell of own map (oracle)" if m == ORACLE else model_label(m) for m in models])
-    panels[0].set_ylim(len(models) - 0.4, -0.6)
-    handles = [
-        Line2D([], [], marker=MARKERS[number % 4], color=BLACK, ls="none", ms=4, label=set_label(scenario))
-        for number, scenario in enumerate(scenarios)
-    ]
-    handles.append(
-        Line2D([], [], marker="o", color=BLACK, mfc="white", ls="none", ms=4, label="knows earlier walks, or the walk")
-    )
-    figure.legend(handles=handles, loc="outside upper right", ncols=len(handles))
+    for index, ax in enumerate(panels):
+        letter(ax, index)
+    name_rows(panels[0], models)
+    forest_legend(figure, scenarios)
     return figure
-
-
-def _forest(ax: Axes, rows: pd.DataFrame, column: str, models: list[str], scenarios: list[str]) -> None:
-    """One line per model and scenario at the model's height; ``column`` names the model of a row."""
-    offsets = dict(zip(scenarios, 0.32 * (np.arange(len(scenarios)) - (len(scenarios) - 1) / 2), strict=True))
-    for row in rows.to_dict("records"):
-        model, height = row[column], models.index(row[column]) + offsets[row["scenario"]]
-        ax.plot([row["low"], row["high"]], [height] * 2, color=colour(model), lw=1.1)
-        fill = colour(model) if row["information"] == "task" or column == "against" else "white"
-        marker = MARKERS[scenarios.index(row["scenario"]) % 4]
-        ax.plot(row["value"], height, marker, color=colour(model), mfc=fill, ms=3.6)
-    ax.tick_params(axis="y", length=0)
-    ax.grid(axis="x")

@@ -20,7 +20,7 @@ from walklab.evaluation.forecasts import (
     REGRESSION,
     STATIC,
 )
-from walklab.figures.forecasts import forecast_name
+from walklab.figures.forest import forecast_name
 
 Row = dict[Hashable, Any]
 

@@ -155,6 +155,7 @@ def test_the_sharper_model_shows_another_density(browser, page):
     browser.tab_to("e.matches('#maps-controls select')")
     browser.press(Keys.ARROW_DOWN)
     browser.wait(lambda: browser.run(picture) != before)
+    assert browser.focused("e.selectedIndex") == 1
 
 
 def test_a_table_is_sorted_by_key_both_ways(browser, page):

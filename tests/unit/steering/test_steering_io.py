@@ -32,20 +32,18 @@ def maps(world):
 
 
 def same_maps(first, second):
-    assert (first.walks, first.participants, first.space, first.metric) == (
-        second.walks,
-        second.participants,
-        second.space,
-        second.metric,
+    return (
+        (first.walks, first.participants, first.space, first.metric)
+        == (second.walks, second.participants, second.space, second.metric)
+        and np.array_equal(first.scores, second.scores)
+        and sorted(first.vectors) == sorted(second.vectors)
+        and all(np.array_equal(first.vectors[name], second.vectors[name]) for name in first.vectors)
     )
-    assert np.array_equal(first.scores, second.scores)
-    assert sorted(first.vectors) == sorted(second.vectors)
-    assert all(np.array_equal(first.vectors[name], second.vectors[name]) for name in first.vectors)
 
 
 def test_maps_come_back_as_they_were(maps, tmp_path):
     write_maps(maps, tmp_path / "maps.nc")
-    same_maps(read_maps(tmp_path / "maps.nc"), maps)
+    assert same_maps(read_maps(tmp_path / "maps.nc"), maps)
 
 
 def test_maps_are_labelled(maps, tmp_path):
@@ -69,7 +67,7 @@ def test_shards_join_to_the_whole(maps, tmp_path):
         )
         write_maps(part, tmp_path / f"{index}.nc")
     parts = [read_maps(tmp_path / f"{index}.nc") for index in (0, 1)]
-    same_maps(concatenate_maps(parts), maps)
+    assert same_maps(concatenate_maps(parts), maps)
     with pytest.raises(InputError, match="shards differ"):
         concatenate_maps([parts[0], dataclasses.replace(parts[1], metric="frechet")])
 
