@@ -31,13 +31,15 @@ STATIC, ADAPTIVE, BARE = "P_Stat", "P_Adapt", "P_Prob without dependencies"
 LITERAL, CALIBRATED = "P_Prob (literal)", "P_Prob (calibrated)"
 EXTENDED, EXTENDED_EARLIER = "P_Prob (extended)", "P_Prob (extended), earlier walks"
 CLIMATOLOGY, REGRESSION, QUANTILE_REGRESSION = "climatology", "regression", "quantile regression"
+LOG_REGRESSION, QUADRATIC_REGRESSION = "log regression", "quadratic log regression"
 GAUSSIAN_PROCESS = "Gaussian process"
 REGRESSION_EARLIER, LOG_REGRESSION_EARLIER = "regression, earlier walks", "log regression, earlier walks"
+QUADRATIC_REGRESSION_EARLIER = "quadratic log regression, earlier walks"
 
 INNER = 50  # quantiles of the density that its mixture with a pace is made of
 
 # What uses a person's earlier walks is compared with what uses them too.
-INFORMED = (EXTENDED_EARLIER, REGRESSION_EARLIER, LOG_REGRESSION_EARLIER)
+INFORMED = (EXTENDED_EARLIER, REGRESSION_EARLIER, LOG_REGRESSION_EARLIER, QUADRATIC_REGRESSION_EARLIER)
 
 
 @dataclass(frozen=True)
