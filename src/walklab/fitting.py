@@ -23,7 +23,7 @@ from walklab.steering.training import TrainingSettings, train
 
 # Agethen et al. 2017, eq. 6-9.
 _AXIS = {"start": 0.1, "step": 0.21, "count": 10}
-PAPER_SPACE = [{"name": name, "unit": unit, **_AXIS} for name, unit in (("v", "m/s"), ("a", "m/s2"), ("omega", "1/m"))]
+PAPER_SPACE = [{"name": name, "unit": unit, **_AXIS} for name, unit in (("v", "m/s"), ("a", "m/s²"), ("omega", "1/m"))]
 STEP_S = 1 / 60
 DEPENDENCIES = ("length", "curvature", "height")
 

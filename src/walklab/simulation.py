@@ -74,7 +74,7 @@ def simulate(
     Parameters
     ----------
     parameters : (P,) one vector gives one trajectory, (n, P) give a list; in the order of ``planner.parameters``
-    planner : default: path following with v (m/s), a (m/s2) and omega (1/m)
+    planner : default: path following with v (m/s), a (m/s²) and omega (1/m)
     body : default: a disc of 0.25 m radius
     time_limit_s : longest simulated time
 

@@ -60,7 +60,7 @@ def test_fitting_with_either_basis(model, tmp_path):
 def test_sampling_prints_a_table_with_units(model):
     asked = ["--length", 2.5, "--curvature", 0, "--height", 1.75, "--size", 3]
     lines = run("sample", model, *asked, "--seed", 1).stdout.splitlines()
-    assert lines[0] == "v (m/s),a (m/s2),omega (1/m)"
+    assert lines[0] == "v (m/s),a (m/s²),omega (1/m)"
     values = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
     expected = ProbabilisticModel.load(model).sample([2.5, 0, 1.75], 3, np.random.default_rng(1))
     assert values == pytest.approx(expected, rel=1e-5)

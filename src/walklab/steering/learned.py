@@ -16,8 +16,8 @@ from walklab.steering.sharpness import SharpnessLaw
 Array = NDArray[np.float64]
 Generators = Sequence[np.random.Generator]
 
-# How a parameter changes when all times of a walk are multiplied by s: by s to minus this power.
-POWERS_OF_TIME = {"m/s": 1, "m/s²": 2}
+# How a parameter changes when all times of a walk are multiplied by s: by s to minus this power. Units as an axis spells them.
+POWERS_OF_TIME = {"m/s": 1, "m/s²": 2, "rad/s": 1, "rad/s²": 2, "1/s": 1, "s": -1, "1/m": 0, "rad/m": 0, "m": 0, "rad": 0, "1": 0}
 
 
 @dataclass(frozen=True)
@@ -99,6 +99,19 @@ class ExtendedModel:
         """Names of the steering parameters."""
         return self.model.names
 
+    def _powers_of_time(self) -> Array:
+        """(P,) powers by which the parameters fall when a walk takes longer."""
+        units = self.model.units
+        for name, unit in zip(self.names, units, strict=True):
+            if unit not in POWERS_OF_TIME:
+                raise InputError(
+                    f"extended model: how {name} changes with the pace is unknown for its unit {unit!r};"
+                    f" give it in one of {', '.join(POWERS_OF_TIME)}"
+                )
+        if "m/s" not in units:
+            raise InputError(f"extended model: none of {', '.join(self.names)} is a speed in m/s, so a pace means nothing")
+        return np.array([POWERS_OF_TIME[unit] for unit in units])
+
     def density_model(self) -> ProbabilisticModel:
         """The density that is drawn from, before the pace."""
         return replace(ignoring(self.model, self.pace.ignored), exponent=self.pace.exponent)
@@ -132,12 +145,9 @@ class ExtendedModel:
         Raises
         ------
         InputError
-            If there is nothing to slow down: no parameter in m/s.
+            If there is nothing to slow down: no parameter in m/s; or if a unit is none whose change with the pace is known.
         """
-        asked, effect = self.model.blending.checked(vectors), self.pace.effect
-        powers = np.array([POWERS_OF_TIME.get(unit, 0) for unit in self.model.units])
-        if 1 not in powers:
-            raise InputError(f"extended model: none of {', '.join(self.names)} is a speed in m/s, so a pace means nothing")
+        asked, effect, powers = self.model.blending.checked(vectors), self.pace.effect, self._powers_of_time()
         density = self.density_model()
         drawn = density.sample_batch(asked, size, rng)
         nobody = np.full(len(asked), effect.mean), np.full(len(asked), effect.new_person_sd)

@@ -14,16 +14,30 @@ from walklab.errors import InputError
 
 Array = NDArray[np.float64]
 
+_PER_SECOND = "/s", " s-1", " s^-1", " s⁻¹", "·s⁻¹", "*s^-1"
+_PER_SECOND_SQUARED = "/s²", "/s2", "/s^2", "/s**2", "/s/s", " s-2", " s^-2", " s⁻²", "·s⁻²", "*s^-2"
+# Spellings of a unit -> the one that results use.
+SPELLINGS = {
+    **{f"{unit}{per}": f"{unit}/s" for unit in ("m", "rad") for per in _PER_SECOND},
+    **{f"{unit}{per}": f"{unit}/s²" for unit in ("m", "rad") for per in _PER_SECOND_SQUARED},
+    **dict.fromkeys(("m-1", "m^-1", "m⁻¹", "m**-1"), "1/m"),
+    **dict.fromkeys(("s-1", "s^-1", "s⁻¹", "s**-1", "Hz"), "1/s"),
+}
+
 
 @dataclass(frozen=True)
 class Axis:
-    """One steering parameter: its name as the planner knows it, its unit and its ascending values."""
+    """One steering parameter: its name as the planner knows it, its unit and its ascending values.
+
+    A unit in another common spelling (m/s2, m s-2) becomes the one that results use (m/s²).
+    """
 
     name: str
     unit: str
     values: tuple[float, ...]
 
     def __post_init__(self) -> None:
+        object.__setattr__(self, "unit", SPELLINGS.get(self.unit.strip(), self.unit.strip()))
         if len(self.values) < 2 or np.any(np.diff(self.values) <= 0):
             raise InputError(f"space axis {self.name}: needs at least two ascending values")
 

@@ -24,10 +24,10 @@ from walklab.steering.space import space_from_config
 FLAT = Trend((0,), (False,), (0.0,), (1.0,), (-9.0,), (9.0,), 1, (0.0, 0.0))
 
 
-def model(speed_unit: str = "m/s") -> ProbabilisticModel:
+def model(speed_unit: str = "m/s", acceleration_unit: str = "m/s²") -> ProbabilisticModel:
     axes = [
         {"name": "v", "unit": speed_unit, "start": 0.5, "step": 0.1, "count": 11},
-        {"name": "a", "unit": "m/s²", "start": 0.4, "step": 0.2, "count": 6},
+        {"name": "a", "unit": acceleration_unit, "start": 0.4, "step": 0.2, "count": 6},
     ]
     space = space_from_config(axes)
     rng = np.random.default_rng(0)
@@ -108,3 +108,27 @@ def test_ignored_dependency_changes_nothing() -> None:
 def test_without_a_speed_there_is_no_pace() -> None:
     with pytest.raises(InputError, match="a pace means nothing"):
         ExtendedModel(model("1/m"), pace(PaceEffect(0.0, 0.1, 0.0))).sample([2.0, 1.7], 1)
+
+
+@pytest.mark.parametrize("unit", ["m/s2", "m/s^2", "m s-2", " m/s² ", "m·s⁻²"])
+def test_acceleration_follows_the_pace_however_its_unit_is_spelt(unit: str) -> None:
+    known = ExtendedModel(model(acceleration_unit=unit), pace(PaceEffect(0.0, 0.1, 0.0)))
+    assert known.model.units == ("m/s", "m/s²")
+    drawn = known.sample([2.0, 1.7], 50, np.random.default_rng(1), (np.log(1.25), 0.0))
+    bare = known.density_model().sample([2.0, 1.7], 50, np.random.default_rng(1))
+    np.testing.assert_allclose(drawn, bare / [1.25, 1.25**2])
+
+
+def test_a_relaxation_time_grows_with_the_time_of_the_walk() -> None:
+    known = ExtendedModel(model(acceleration_unit="s"), pace(PaceEffect(0.0, 0.1, 0.0)))
+    drawn = known.sample([2.0, 1.7], 50, np.random.default_rng(1), (np.log(1.25), 0.0))
+    bare = known.density_model().sample([2.0, 1.7], 50, np.random.default_rng(1))
+    np.testing.assert_allclose(drawn, bare / [1.25, 1 / 1.25])
+
+
+@pytest.mark.parametrize("unit", ["furlong/fortnight2", "", "m/s³"])
+def test_a_unit_that_is_not_known_is_refused_where_the_pace_needs_it(unit: str) -> None:
+    known = ExtendedModel(model(acceleration_unit=unit), pace(PaceEffect(0.0, 0.1, 0.0)))
+    known.density_model().sample([2.0, 1.7], 2)
+    with pytest.raises(InputError, match=r"how a changes with the pace is unknown for its unit '.*'; give it in one of m/s"):
+        known.sample([2.0, 1.7], 1)
