@@ -21,32 +21,31 @@ def planned(output):
     return {name.strip().replace(" ", "_"): int(count) for name, count in counted}
 
 
-def test_replicate_0_is_the_default_studys_population(finished_copy):
-    # The finished single study is taken over as it is: of its stages only the claims are checked anew, without the ablations.
+def test_the_single_studys_population_is_none_of_them(finished_copy):
+    # Models were designed on it, so all populations are new.
     jobs = planned(finished_copy.run("--dry-run", *TWO))
     assert set(jobs) >= ENDS
-    assert jobs["check_claims"] == 2
-    for rule, once in (("draw_participants", 1), ("fit_static", 1), ("score_forecasts", 1), ("record_scenario", 2)):
-        assert jobs[rule] == once, f"{rule} would be run for replicate 0 again"
+    for rule, twice in (("draw_participants", 2), ("fit_static", 2), ("check_claims", 2), ("record_scenario", 4)):
+        assert jobs[rule] == twice
     assert not {name for name in jobs if name.startswith(("draw_fig", "ablate"))}
 
 
 @pytest.fixture(scope="module")
 def killed_and_resumed(finished, tmp_path_factory):
-    """Two populations, the second killed on its way and resumed: the project, and when its finished files were written."""
+    """Two populations, killed on their way and resumed: the project, and when its finished files were written."""
     folder = tmp_path_factory.mktemp("replicates") / "copy"
     shutil.copytree(finished.folder, folder, copy_function=shutil.copy2)
     project = type(finished)(folder)
     process = project.start(*TWO)
-    second = folder / "results/tiny/1"
+    results = folder / "results/tiny"
     deadline = time.monotonic() + 240
-    while time.monotonic() < deadline and not (second / "build_space/blending_space.nc").exists():
+    while time.monotonic() < deadline and not list(results.glob("[12]/build_space/blending_space.nc")):
         assert process.poll() is None, process.communicate()[0][-4000:]
         time.sleep(0.05)
     os.killpg(process.pid, signal.SIGKILL)
     process.communicate()
-    assert not (second / "score_forecasts/scores.csv").exists(), "killed too late to test anything"
-    kept = {path: path.stat().st_mtime_ns for path in second.glob("score_maps/*/maps.nc")}
+    assert not list(results.glob("[12]/score_forecasts/scores.csv")), "killed too late to test anything"
+    kept = {path: path.stat().st_mtime_ns for path in results.glob("[12]/score_maps/*/maps.nc")}
     project.run("--unlock", *TWO)
     project.run(*TWO, "--rerun-incomplete")
     return project, kept
@@ -63,22 +62,24 @@ def test_a_killed_run_of_populations_resumes_and_redoes_nothing(killed_and_resum
 
 def test_populations_differ_and_claims_and_scores_count_both(killed_and_resumed, finished):
     results = killed_and_resumed[0].folder / "results/tiny"
-    first, second = (pd.read_parquet(results / f"{number}/draw_participants/participants.parquet") for number in (0, 1))
-    assert len(first) == len(second)
+    first, second = (pd.read_parquet(results / f"{number}/draw_participants/participants.parquet") for number in (1, 2))
+    single = pd.read_parquet(finished.folder / "results/tiny/0/draw_participants/participants.parquet")
+    assert len(first) == len(second) == len(single)
     assert (first["height_m"] != second["height_m"]).any()
+    assert (first["height_m"] != single["height_m"]).any()
     claims, alone = pd.read_csv(results / "claims.csv"), pd.read_csv(finished.folder / "results/tiny/claims.csv")
     assert list(claims["id"]) == list(alone["id"])
     assert claims["replicates"].max() == 2
     of_ablations = claims["id"].str.startswith("ablation_")
     assert of_ablations.any()
     assert (claims.loc[of_ablations, "replicates"] == 0).all()
-    # Replicate 0 comes to the single study's verdicts wherever no ablation is needed.
-    again = pd.read_csv(results / "0/check_claims/claims.csv")
-    same = again["verdict"] != "not checkable"
-    assert same.sum() > 30
-    pd.testing.assert_frame_equal(again[same], alone[same])
+    each = [pd.read_csv(results / f"{number}/check_claims/claims.csv").set_index("id") for number in (1, 2)]
+    reproduced = sum((table["verdict"] == "reproduced").astype(int) for table in each)
+    checked = claims.set_index("id").query("replicates == 2").index
+    assert len(checked) > 30
+    assert (claims.set_index("id").loc[checked, "reproduced"] == reproduced[checked]).all()
     scores = pd.read_csv(results / "scores.csv")
-    single = [pd.read_csv(results / f"{number}/score_forecasts/scores.csv") for number in (0, 1)]
+    single = [pd.read_csv(results / f"{number}/score_forecasts/scores.csv") for number in (1, 2)]
     mean = sum(table[table["hull"] == "all"].set_index(["scenario", "model"])["crps_s"] for table in single) / 2
     pooled = scores[(scores["hull"] == "all") & (scores["measure"] == "crps_s")].set_index(["scenario", "model"])["value"]
     pd.testing.assert_series_equal(pooled, mean.loc[pooled.index], check_names=False, rtol=1e-4)

@@ -198,7 +198,7 @@ rule summarise_capture:
         "../scripts/summarise_capture.py"
 
 
-# Replicate 0 of the synthetic capture beside recordings of real people, as many as there are under WALKLAB_DATA.
+# The first population of the synthetic capture beside recordings of real people, as many as there are under WALKLAB_DATA.
 rule measure_realism:
     input:
         walks=expand(first(rules.extract_training.output.walks), shard=SHARDS),

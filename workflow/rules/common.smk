@@ -74,9 +74,10 @@ check_files(CONFIG)
 config.update(CONFIG)  # what the report's text sees
 RUN = f"results/{CONFIG['run']}"
 PAPER = shipped("config/papers/agethen_steering.yaml")
-REPLICATES = range(CONFIG["replicates"])
-# Several populations: claims and scores over all of them instead of the figures of one.
+# Several populations: claims and scores over all of them instead of the figures of one. They are numbered from 1: population
+# 0 is that of the single study, on which models were designed, so it can judge none of them.
 REPLICATED = CONFIG["replicates"] > 1
+REPLICATES = range(1, CONFIG["replicates"] + 1) if REPLICATED else [0]
 # A run of this name is that study alone (config/recovery.yaml).
 RECOVERED = CONFIG["run"] == "recovery"
 SHARDS = range(CONFIG["shards"])
@@ -114,8 +115,8 @@ def stage(name, file, *wildcards):
 
 
 def first(path):
-    """A product of replicate 0, which figures and tables show."""
-    return path.replace("{replicate}", "0")
+    """A product of the first population, which figures and tables show; what is made of all of them lies there too."""
+    return path.replace("{replicate}", str(REPLICATES[0]))
 
 
 def bulky(path):

@@ -1,4 +1,4 @@
-"""Figures of replicate 0, each the counterpart of one of the paper's."""
+"""Figures of one population, each the counterpart of one of the paper's."""
 
 TRAINING = {
     "walks": expand(first(stage(WALKS, "walks.parquet", "shard")), shard=SHARDS),

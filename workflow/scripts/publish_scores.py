@@ -1,4 +1,4 @@
-"""Show the scores of replicate 0 at the top of the run."""
+"""Show the scores of the one population at the top of the run."""
 
 from pathlib import Path
 
