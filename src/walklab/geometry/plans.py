@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import yaml
 
@@ -38,6 +40,7 @@ class Plan:
 
 
 OPEN = Plan(Scene("open"))
+KEYS = ("name", "description", "obstacles", "stations", "walks")
 
 
 def load_plan(path: str | Path) -> Plan:
@@ -56,23 +59,43 @@ def load_plan(path: str | Path) -> Plan:
         raise InputError(f"{source}: no such plan view; put it under config/scenes/") from error
     except yaml.YAMLError as error:
         raise InputError(f"{source}: not valid YAML ({str(error).splitlines()[0]})") from error
-    if not isinstance(described, dict) or (unknown := set(described) - {"name", "description", "obstacles", "stations", "walks"}):
-        keys = sorted(unknown) if isinstance(described, dict) else described
-        raise InputError(f"{source}: unknown keys {keys}; a plan view has name, description, obstacles, stations and walks")
+    if not isinstance(described, dict):
+        found = "is empty" if described is None else f"holds {described!r}"
+        raise InputError(f"{source}: {found}; a plan view has {', '.join(KEYS)}")
+    if unknown := set(described) - set(KEYS):
+        raise InputError(f"{source}: unknown keys {sorted(map(str, unknown))}; a plan view has {', '.join(KEYS)}")
     try:
-        obstacles = {name: obstacle_from_config(name, shape) for name, shape in (described.get("obstacles") or {}).items()}
-        stations = {
-            name: Station(
-                (float(s["position_m"][0]), float(s["position_m"][1])), s.get("facing_deg", 0.0), s.get("work_height_m")
-            )
-            for name, s in (described.get("stations") or {}).items()
-        }
+        obstacles = {str(name): obstacle_from_config(name, shape) for name, shape in _section(described, "obstacles").items()}
+        stations = {str(name): _station(name, station) for name, station in _section(described, "stations").items()}
+        walks = tuple(_walk(walk, stations) for walk in described.get("walks") or ())
     except InputError as error:
         raise InputError(f"{source}: {error}") from error
-    except (KeyError, TypeError, IndexError, ValueError) as error:
-        raise InputError(f"{source}: an obstacle or station is not described as config/README.md says ({error!r})") from error
-    walks = tuple((walk[0], walk[1]) for walk in described.get("walks") or ())
-    for name in {name for walk in walks for name in walk}:
-        if name not in stations:
-            raise InputError(f"{source}: walks: there is no station {name!r}; known are {sorted(stations)}")
     return Plan(Scene(described.get("name", source.stem), obstacles), stations, walks)
+
+
+def _section(described: Mapping[str, Any], name: str) -> Mapping[str, Any]:
+    section = described.get(name) or {}
+    if not isinstance(section, Mapping):
+        raise InputError(f"{name}: give each a name, as docs/second-scene.md shows, not {section!r}")
+    return section
+
+
+def _station(name: str, described: Any) -> Station:
+    try:
+        x, y = described["position_m"]
+        height = described.get("work_height_m")
+        station = Station((float(x), float(y)), float(described.get("facing_deg", 0.0)), None if height is None else float(height))
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise InputError(f"station {name}: not described as docs/second-scene.md shows ({error!r})") from error
+    if not all(map(math.isfinite, (*station.position_m, station.facing_deg, station.work_height_m or 0.0))):
+        raise InputError(f"station {name}: every number must be finite; it has {described!r}")
+    return station
+
+
+def _walk(described: Any, stations: Mapping[str, Station]) -> tuple[str, str]:
+    if not isinstance(described, list) or len(described) != 2:
+        raise InputError(f"walks: {described!r} is no pair of stations, [from, to]")
+    for name in described:
+        if name not in stations:
+            raise InputError(f"walks: there is no station {name!r}; known are {sorted(stations)}")
+    return described[0], described[1]

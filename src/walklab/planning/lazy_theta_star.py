@@ -45,7 +45,9 @@ def lazy_theta_star(grid: OccupancyGrid, start_m: Point, goal_m: Point, snap_m: 
     Notes
     -----
     Nash, Koenig, Tovey 2010, algorithm 2, with an open list of narrow buckets. Its path bends at few vertices, which around
-    round corners is about 0.1 % longer than the shortest way; pulling it taut afterwards leaves 0.007 %, at most 0.02 %.
+    round corners is about 0.1 % longer than the shortest way. Pulling it taut afterwards leaves 0.009 % on average over the
+    98 of 100 random rooms of the tests in which something is in the way; three are above 0.02 %, up to 0.061 %. There the search
+    took the other side of an obstacle, as good within its own error, or points that move one at a time got stuck in a notch.
     """
     begin = free_point(grid, start_m, "start", snap_m)
     end = free_point(grid, goal_m, "end", snap_m)

@@ -8,7 +8,7 @@ import pytest
 from shapely import Point
 
 from walklab.errors import InputError
-from walklab.geometry.scene import disc, obstacle_from_config
+from walklab.geometry.scene import Body, State, disc, obstacle_from_config
 
 
 def test_shapes_have_the_area_they_describe() -> None:
@@ -31,9 +31,28 @@ def test_a_disc_covers_the_circle_and_touches_it(corners: int) -> None:
         ({"square": [0, 0, 1, 1]}, "obstacle x: needs one of box, polygon or circle"),
         ({"box": [0, 0, 0, 1]}, "obstacle x: its outline has no area"),
         ({"polygon": [[0, 0], [1, 1], [1, 0], [0, 1]]}, "crosses itself"),
-        ({"circle": {"centre": [0, 0], "radius": 0}}, "no area"),
+        ({"circle": {"centre": [0, 0], "radius": 0}}, "obstacle x: .*give a radius above 0 m"),
+        ({"box": [0, 0, 1]}, "obstacle x: box .* is not described"),
     ],
 )
 def test_shapes_that_are_none_are_refused(shape: dict, message: str) -> None:
     with pytest.raises(InputError, match=message):
         obstacle_from_config("x", shape)
+
+
+@pytest.mark.parametrize(
+    ("make", "message"),
+    [
+        (lambda: State((math.nan, 0.0)), r"position \(nan, 0.0\): give x and y as two finite numbers"),
+        (lambda: State((0.0, math.inf)), "two finite numbers"),
+        (lambda: State((0.0, 0.0, 0.0)), "two finite numbers"),  # type: ignore[arg-type]
+        (lambda: State((0.0, 0.0), math.nan), "heading nan"),
+        (lambda: State((0.0, 0.0), None, -0.1), "speed -0.1: give 0 m/s or more"),
+        (lambda: State((0.0, 0.0), None, math.nan), "speed nan"),
+        (lambda: Body(0.0), "body radius 0.0"),
+        (lambda: Body(math.nan), "body radius nan"),
+    ],
+)
+def test_states_and_bodies_that_are_none_are_refused(make, message: str) -> None:
+    with pytest.raises(InputError, match=message):
+        make()
