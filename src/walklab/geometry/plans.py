@@ -84,7 +84,8 @@ def _station(name: str, described: Any) -> Station:
     try:
         x, y = described["position_m"]
         height = described.get("work_height_m")
-        station = Station((float(x), float(y)), float(described.get("facing_deg", 0.0)), None if height is None else float(height))
+        facing_deg = float(described.get("facing_deg", 0.0))
+        station = Station((float(x), float(y)), facing_deg, None if height is None else float(height))
     except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise InputError(f"station {name}: not described as docs/second-scene.md shows ({error!r})") from error
     if not all(map(math.isfinite, (*station.position_m, station.facing_deg, station.work_height_m or 0.0))):

@@ -98,7 +98,7 @@ def obstacle_from_config(name: str, shape: Mapping[str, Any]) -> Polygon:
         else:
             polygon = disc([float(x) for x in measures["centre"]], float(measures["radius"]))
     except (KeyError, TypeError, IndexError, ValueError) as error:
-        raise InputError(f"obstacle {name}: {kind} {measures!r} is not described as docs/second-scene.md says ({error})") from error
+        raise InputError(f"obstacle {name}: {kind} {measures!r} is not as docs/second-scene.md says ({error})") from error
     if not all(map(math.isfinite, polygon.bounds)) or not polygon.is_valid or polygon.area <= 0:
         raise InputError(f"obstacle {name}: its outline has no area or crosses itself; order the corners around it")
     return polygon

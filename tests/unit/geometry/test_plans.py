@@ -45,9 +45,9 @@ def test_a_plan_is_read_whole(tmp_path):
         ("position_m: [3, 0]", "place: [3, 0]", "not described"),
         ("stations:", "stations: [", "not valid YAML"),
         ("  car: {box: [0, 0, 2, 1]}", "  [1, 2]", r"obstacles: give each a name.*, not \[1, 2\]"),
-        ("box: [0, 0, 2, 1]", "box: [0, 0, 2]", "obstacle car: box .* is not described"),
+        ("box: [0, 0, 2, 1]", "box: [0, 0, 2]", "obstacle car: box .* is not as docs/second-scene.md says"),
         ("box: [0, 0, 2, 1]", "box: [0, 0, 2, .inf]", "obstacle car: .*no area"),
-        ("box: [0, 0, 2, 1]", "polygon: [1, 2, 3]", "obstacle car: polygon .* is not described"),
+        ("box: [0, 0, 2, 1]", "polygon: [1, 2, 3]", "obstacle car: polygon .* is not as docs/second-scene.md says"),
         ("box: [0, 0, 2, 1]", "circle: {centre: [0, 0], radius: -1}", "give a radius above 0 m"),
         ("box: [0, 0, 2, 1]", "circle: {radius: 1}", "'centre'"),
         ("box: [0, 0, 2, 1]", "1: 2", "needs one of box, polygon or circle"),
@@ -65,7 +65,7 @@ def test_mistakes_end_in_one_line_that_names_the_file(tmp_path, old, new, messag
     assert "\n" not in str(caught.value)
 
 
-@pytest.mark.parametrize(("text", "message"), [("", "hall.yaml: is empty; a plan view has name"), ("- 1", r"hall.yaml: holds \[1\];")])
+@pytest.mark.parametrize(("text", "message"), [("", "hall.yaml: is empty; a plan view"), ("- 1", r"hall.yaml: holds \[1\];")])
 def test_a_file_that_describes_no_plan_is_told_so(tmp_path, text, message):
     with pytest.raises(InputError, match=message):
         load(text, tmp_path)

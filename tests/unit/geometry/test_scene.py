@@ -32,7 +32,7 @@ def test_a_disc_covers_the_circle_and_touches_it(corners: int) -> None:
         ({"box": [0, 0, 0, 1]}, "obstacle x: its outline has no area"),
         ({"polygon": [[0, 0], [1, 1], [1, 0], [0, 1]]}, "crosses itself"),
         ({"circle": {"centre": [0, 0], "radius": 0}}, "obstacle x: .*give a radius above 0 m"),
-        ({"box": [0, 0, 1]}, "obstacle x: box .* is not described"),
+        ({"box": [0, 0, 1]}, "obstacle x: box .* is not as docs/second-scene.md says"),
     ],
 )
 def test_shapes_that_are_none_are_refused(shape: dict, message: str) -> None:
