@@ -25,6 +25,8 @@ from evidence_forecasts import (
     resampled_findings,
     scores,
     sharpness,
+    split,
+    split_pairs,
 )
 
 ROOT = Path(__file__).parents[1]
@@ -235,8 +237,10 @@ TABLES = {
     "sharpness": (sharpness, "steering"),
     "scores": (scores, "steering"),
     "findings": (findings, "steering"),
+    "split": (split, "steering"),
     "limits": (limits, "steering"),
     "pairs": (pairs, "steering"),
+    "split_pairs": (split_pairs, "steering"),
     "realism": (realism, "steering"),
     "realism_findings": (realism_sentences, "steering"),
     "real": (real, "cmu"),

@@ -1,10 +1,10 @@
 """The tables and sentences of docs/evidence.md that tell how the forecasts did; evidence.py puts them there."""
 
 import pandas as pd
-from walklab.figures.forest import forecast_name
 
 from walklab.evaluation.score_tables import information
 from walklab.evaluation.subject_scores import OWN_MAP
+from walklab.figures.forest import forecast_name
 from walklab.report.findings import BASELINES, CALIBRATED, EXTENDED, GOAL_HIGH, GOAL_LOW, forecast_findings, realism_findings
 
 # How candidates.csv calls each way of choosing the sharpness -> how the page does.
@@ -70,6 +70,39 @@ def scores(folder):
     return markdown([*header, "energy score, 1 / 2 (m)", "90 % interval holds, 1 / 2 (%)"], rows)
 
 
+def split(folder):
+    """CRPS and coverage of the walks inside the training dependencies and of those outside."""
+    table = pd.read_csv(folder / "scores.csv").query("hull != 'all'")
+    keyed = table.set_index(["model", "scenario", "hull"])
+    parts = list(dict.fromkeys(zip(table["scenario"], table["hull"], strict=True)))
+    rows = []
+    for model in dict.fromkeys(table["model"]):
+        found = [keyed.loc[(model, *part)] for part in parts]
+        holds = "-" if model == OWN_MAP else " / ".join(f"{100 * row['coverage_90']:.0f}" for row in found)
+        rows.append([forecast_name(model), *(bracketed(row, "crps_s") for row in found), holds])
+    sizes = [keyed.xs(part, level=("scenario", "hull")).iloc[0] for part in parts]
+    header = [
+        f"{scenario.replace('_', ' ')}, {hull} ({int(row['walks'])} walks of {int(row['participants'])} people)"
+        for (scenario, hull), row in zip(parts, sizes, strict=True)
+    ]
+    return markdown(["CRPS (s)", *header, "90 % interval holds, in that order (%)"], rows)
+
+
+def split_pairs(folder):
+    """The pairs whose mixed model tells them apart inside the training dependencies, and outside."""
+    table = _tests(folder)
+    told = []
+    for hull in ("inside", "outside"):
+        part = table[table["hull"] == hull]
+        people = ", ".join(f"{row['participants']} in {row['scenario'].replace('_', ' ')}" for row in _firsts(part))
+        told.append(f"{hull.capitalize()} (people: {people}), significant after Holm: {_significant(part, 'p_mixed_holm')}.")
+    return bullets(told)
+
+
+def _firsts(part):
+    return part.drop_duplicates("scenario").to_dict("records")
+
+
 def findings(folder):
     """Who wins, by how much, and what the intervals hold."""
     return bullets(forecast_findings(pd.read_csv(folder / "scores.csv"), _tests(folder)))
@@ -88,21 +121,24 @@ def pairs(folder):
             forecast_name(row["first"]),
             forecast_name(row["second"]),
             bracketed(row, "mean_difference_s"),
-            f"{row['p_participants_holm']:.2g}",
             f"{row['p_mixed_holm']:.2g}",
+            f"{row['p_participants_holm']:.2g}",
             f"{row['power_are']:.2f}",
             f"{row['power_participants']:.2f}",
         ]
         for row in table.to_dict("records")
     ]
-    header = ["scenario", "first", "second", "CRPS, first - second (s)", "p, participants' means", "p, mixed model"]
+    header = ["scenario", "first", "second", "CRPS, first - second (s)", "p, mixed model", "p, participants' means"]
     text = markdown([*header, "power, A.R.E.", "power, participants' means, simulated"], rows)
     sizes = [f"{100 * table[name].min():.0f} to {100 * table[name].max():.0f} %" for name in ("size_walks", "size_participants")]
+    floor = ", ".join(f"{value:.2g}" for value in sorted(set(table["p_participants_holm_floor"])))
     told = [
+        f"p values are after Holm's correction over all {len(table)} pairs of both scenarios. The exact test on the means of"
+        f" {table['participants'].max()} people cannot go below {floor} after it, even where all of them agree.",
         f"Where there is no effect the paper's test on walks rejects in {sizes[0]} of simulated studies,"
-        f" that on participants' means in {sizes[1]}; {100 * SIGNIFICANT:.0f} % were asked for."
+        f" that on participants' means in {sizes[1]}; {100 * SIGNIFICANT:.0f} % were asked for.",
     ]
-    for name, words in (("p_participants_holm", "participants' means"), ("p_mixed_holm", "the mixed model")):
+    for name, words in (("p_mixed_holm", "the mixed model"), ("p_participants_holm", "participants' means")):
         told.append(f"Significant after Holm by {words}: {_significant(table, name)}.")
     return f"{text}\n\n{bullets(told)}"
 
@@ -165,7 +201,7 @@ def replicated_findings(folder):
         for model in (CALIBRATED, EXTENDED):
             found = part[(part["measure"] == "crps_difference_s") & (part["model"] == model) & (part["against"] == best)]
             for row in found.to_dict("records"):
-                verb = "wins" if row["high"] < 0 else "loses" if row["low"] > 0 else "neither wins nor loses for certain"
+                verb = "wins" if row["high"] < 0 else "loses" if row["low"] > 0 else "differs by less than the interval"
                 text += (
                     f" Against it {model} {verb}: {row['value']:+.3f} s [{row['low']:+.3f}, {row['high']:+.3f}],"
                     f" less in {row['below_zero']} of {row['replicates']} populations."

@@ -83,12 +83,33 @@ def test_significant_pairs_are_told_by_who_is_ahead(told, tmp_path):
     ]
     table = pd.DataFrame(rows, columns=names).assign(mean_difference_s_low=0, mean_difference_s_high=0, power_are=1)
     table = table.assign(power_participants=1, size_walks=[0.2, 0.4, 0.9], size_participants=0.05)
+    table = table.assign(participants=10, p_participants_holm_floor=0.0039)
     (tmp_path / "0/compare_forecasts").mkdir(parents=True)
     table.to_csv(tmp_path / "0/compare_forecasts/tests.csv")
-    *_, sizes, by_people, by_mixed = told.pairs(tmp_path).split("\n")
+    *_, floor, sizes, by_mixed, by_people = told.pairs(tmp_path).split("\n")
+    assert "over all 2 pairs" in floor
+    assert "means of 10 people cannot go below 0.0039 after it" in floor
     assert "rejects in 20 to 40 %" in sizes
     assert by_people.endswith("participants' means: P_Prob (extended) before regression in scenario 1 (0.01).")
     assert by_mixed.endswith("the mixed model: P_Stat with residual spread before P_Prob (literal) in scenario 1 (0.001).")
+
+    inside, outside = told.split_pairs(tmp_path).split("\n")
+    assert "(people: 10 in scenario 1), significant after Holm: P_Stat with residual spread before P_Prob (literal)" in inside
+    assert outside.endswith("nothing.")
+
+
+def test_scores_are_split_by_the_training_range(told, tmp_path):
+    rows = [
+        (hull, model, crps, crps, crps, coverage, walks)
+        for hull, walks in (("all", 9), ("inside", 3), ("outside", 6))
+        for model, crps, coverage in (("P_Stat", 0.2, 0.5), ("best cell of the walk's own map", walks / 100, 0.0))
+    ]
+    names = ["hull", "model", "crps_s", "crps_s_low", "crps_s_high", "coverage_90", "walks"]
+    pd.DataFrame(rows, columns=names).assign(scenario="scenario_1", participants=4).to_csv(tmp_path / "scores.csv")
+    header, _, static, oracle = told.split(tmp_path).split("\n")
+    assert "scenario 1, inside (3 walks of 4 people) | scenario 1, outside (6 walks of 4 people)" in header
+    assert static == "| P_Stat with residual spread | 0.200 [0.200, 0.200] | 0.200 [0.200, 0.200] | 50 / 50 |"
+    assert oracle.endswith("| 0.030 [0.030, 0.030] | 0.060 [0.060, 0.060] | - |")
 
 
 def test_the_page_has_a_place_for_every_table():

@@ -7,7 +7,7 @@ values corrected after Holm; and the power, and the size where there is no effec
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 import pandas as pd
@@ -18,13 +18,18 @@ from walklab.evaluation.forecasts import (
     ADAPTIVE,
     BARE,
     CALIBRATED,
+    CLIMATOLOGY,
     EXTENDED,
     EXTENDED_EARLIER,
     GAUSSIAN_PROCESS,
     LITERAL,
+    LOG_REGRESSION,
     LOG_REGRESSION_EARLIER,
+    QUADRATIC_REGRESSION,
+    QUADRATIC_REGRESSION_EARLIER,
     QUANTILE_REGRESSION,
     REGRESSION,
+    REGRESSION_EARLIER,
     STATIC,
 )
 from walklab.evaluation.mixed import intercept_of
@@ -33,57 +38,84 @@ from walklab.evaluation.score_tables import parts
 from walklab.evaluation.signed_rank import ROUNDING_DECIMALS, wilcoxon_power_are
 from walklab.steering.pace import fit_pace
 
+TASK_SPEEDS = "task speeds alone"
+
 Array = NDArray[np.float64]
 
-QUESTIONS = (
-    (STATIC, ADAPTIVE),
-    (ADAPTIVE, LITERAL),
-    (STATIC, LITERAL),
-    (LITERAL, CALIBRATED),
-    (STATIC, CALIBRATED),
-    (REGRESSION, CALIBRATED),
-    (REGRESSION, EXTENDED),
-    (GAUSSIAN_PROCESS, EXTENDED),
-    (LOG_REGRESSION_EARLIER, EXTENDED_EARLIER),
-    (ADAPTIVE, CALIBRATED),
-    (BARE, CALIBRATED),
-    (QUANTILE_REGRESSION, CALIBRATED),
-    (GAUSSIAN_PROCESS, CALIBRATED),
-    (QUANTILE_REGRESSION, EXTENDED),
+PAPERS = ((STATIC, ADAPTIVE), (ADAPTIVE, LITERAL), (STATIC, LITERAL))
+BASELINES = (
+    STATIC,
+    ADAPTIVE,
+    BARE,
+    CLIMATOLOGY,
+    REGRESSION,
+    QUANTILE_REGRESSION,
+    LOG_REGRESSION,
+    QUADRATIC_REGRESSION,
+    GAUSSIAN_PROCESS,
+    TASK_SPEEDS,
 )
-SIMULATIONS = 200
+BASELINES_EARLIER = (REGRESSION_EARLIER, LOG_REGRESSION_EARLIER, QUADRATIC_REGRESSION_EARLIER)
+QUESTIONS = (
+    *PAPERS,
+    (LITERAL, CALIBRATED),
+    (CALIBRATED, EXTENDED),
+    *((baseline, CALIBRATED) for baseline in BASELINES),
+    *((baseline, EXTENDED) for baseline in BASELINES),
+    *((baseline, EXTENDED_EARLIER) for baseline in BASELINES_EARLIER),
+)
+SIMULATIONS = 100
+LEAST_PEOPLE = 3  # of a mixed model and of simulated power: two say nothing of the variance between people
+P_VALUES = ("p_walks", "p_participants", "p_mixed")
+
+
+def questions(models: Iterable[str]) -> list[tuple[str, str]]:
+    """The pairs of :data:`QUESTIONS` of which both forecasts were made: only moving starts have the task's speeds."""
+    made = set(models)
+    return [pair for pair in QUESTIONS if made.issuperset(pair)]
 
 
 def pair_table(
     rows: pd.DataFrame,
     rng: np.random.Generator,
-    pairs: Sequence[tuple[str, str]] = QUESTIONS,
+    pairs: Sequence[tuple[str, str]] | None = None,
     column: str = "crps_s",
     resamples: int = RESAMPLES,
     alpha: float = 0.05,
 ) -> pd.DataFrame:
     """Tests of first - second (positive: the second is better), by scenario, hull and pair.
 
+    p_<...>_holm are corrected over the pairs of all scenarios together, apart for all walks, for those inside the training
+    dependencies and for those outside: the parts describe, and are no further questions. The exact test on n participants'
+    means cannot fall below 2 / 2^n, whatever they did, and after the correction not below ``p_participants_holm_floor``.
+
+    Parameters
+    ----------
+    rows : of :func:`walklab.evaluation.score_tables.walk_scores`, with scenario
+    pairs : default: :func:`questions`
+
     Returns
     -------
     DataFrame: scenario, hull, first, second, walks, participants, zeros (left out of the walks' ranks), ties (walks that share
-    the size of their difference), mean_difference_s, dz and rank_biserial with _low and _high; p_walks (the paper's test),
-    p_participants (exact, on their means), mixed_s with _low, _high and p_mixed; p_<...>_holm over the pairs of the same
-    scenario and hull; power_are and, simulated, power_walks, power_participants, size_walks, size_participants. The mixed
-    model and what is simulated are of all walks, not of the parts.
+    the size of their difference), mean_difference_s (walks), participants_difference_s (every participant once), dz and
+    rank_biserial, each with _low and _high, participants_better (for whom the second is); p_walks (the paper's test),
+    p_participants (exact, on their means), mixed_s with _low, _high and p_mixed; p_<...>_holm; p_participants_holm_floor;
+    power_are and, simulated, power_walks, power_participants, size_walks, size_participants. The mixed model and what is
+    simulated are missing where fewer than :data:`LEAST_PEOPLE` people have walks.
     """
     found = []
     for (scenario, hull), part in parts(rows):
-        here = []
-        for first, second in pairs:
-            table = paired(part, first, second, column)
+        for first, second in questions(part["model"].unique()) if pairs is None else pairs:
+            table = paired(part[part["model"].isin([first, second])], first, second, column)
             row = {"scenario": scenario, "hull": hull, "first": first, "second": second}
-            here.append(row | _tested(table, rng, resamples, alpha, whole=hull == "all"))
-        frame = pd.DataFrame(here)
-        for name in ("p_walks", "p_participants", "p_mixed"):
-            frame[f"{name}_holm"] = holm(frame[name].to_numpy(dtype=float))
-        found.append(frame)
-    return pd.concat(found, ignore_index=True)
+            found.append(row | _tested(table, rng, resamples, alpha))
+    frame = pd.DataFrame(found)
+    for _, same in frame.groupby("hull", sort=False):
+        for name in P_VALUES:
+            frame.loc[same.index, f"{name}_holm"] = holm(same[name].to_numpy(dtype=float))
+        floor = 2.0 ** (1 - same["participants"]) * len(same)
+        frame.loc[same.index, "p_participants_holm_floor"] = floor.clip(upper=1.0)
+    return frame
 
 
 def holm(p: Array) -> Array:
@@ -97,7 +129,7 @@ def holm(p: Array) -> Array:
     return result
 
 
-def _tested(table: pd.DataFrame, rng: np.random.Generator, resamples: int, alpha: float, whole: bool) -> dict[str, float]:
+def _tested(table: pd.DataFrame, rng: np.random.Generator, resamples: int, alpha: float) -> dict[str, float]:
     difference = np.round((table["first"] - table["second"]).to_numpy(), ROUNDING_DECIMALS)
     codes, clusters = cluster_codes(table["participant"])
     counts = cluster_counts(clusters, resamples, rng)
@@ -108,19 +140,26 @@ def _tested(table: pd.DataFrame, rng: np.random.Generator, resamples: int, alpha
     sums = resampled_sums(np.column_stack([np.ones_like(difference), difference, difference**2]), codes, counts)
     mean = sums[:, 1] / sums[:, 0]
     spread = np.sqrt(np.maximum(sums[:, 2] / sums[:, 0] - mean**2, 1e-18))
-    exact = difference.mean(), difference.mean() / max(float(difference.std()), 1e-9), _rank_biserial(difference)
-    draws = mean, mean / spread, _resampled_rank_biserial(difference, codes, counts)
-    for name, value, drawn in zip(("mean_difference_s", "dz", "rank_biserial"), exact, draws, strict=True):
+    dz, effect = difference.mean() / max(float(difference.std()), 1e-9), _rank_biserial(difference)
+    resampled = {
+        "mean_difference_s": (difference.mean(), mean),
+        "participants_difference_s": (means.mean(), counts @ means / clusters),
+        "dz": (dz, mean / spread),
+        "rank_biserial": (effect, _resampled_rank_biserial(difference, codes, counts)),
+    }
+    for name, (value, drawn) in resampled.items():
         low, high = interval(drawn, clusters)
         row |= {name: value, f"{name}_low": low, f"{name}_high": high}
+    row["participants_better"] = int((means > 0).sum())
     row["p_walks"] = _signed_rank(difference[None], "asymptotic")[0]
     row["p_participants"] = _signed_rank(means[None], "exact" if clusters <= 50 else "asymptotic")[0]
+    whole = clusters >= LEAST_PEOPLE
     estimate = intercept_of(table.assign(error=difference)) if whole else {}
     row |= {"mixed_s": estimate.get("estimate_s", np.nan), "mixed_s_low": estimate.get("low_s", np.nan)}
     row |= {"mixed_s_high": estimate.get("high_s", np.nan), "p_mixed": estimate.get("p", np.nan)}
-    row["power_are"] = float(wilcoxon_power_are(exact[1], len(difference), alpha))
-    for name, effect in (("power", exact[0]), ("size", 0.0)):
-        shares = simulated_power(difference, codes, effect, rng, alpha) if whole else (np.nan, np.nan)
+    row["power_are"] = float(wilcoxon_power_are(dz, len(difference), alpha))
+    for name, assumed in (("power", difference.mean()), ("size", 0.0)):
+        shares = simulated_power(difference, codes, assumed, rng, alpha) if whole else (np.nan, np.nan)
         row[f"{name}_walks"], row[f"{name}_participants"] = shares
     return row
 

@@ -116,7 +116,8 @@ def _wilcoxon(first: Array, second: Array, difference: Array) -> tuple[float, fl
     if not difference.any():
         return 0.0, 1.0, 0.0, cles
     outcome = pingouin.wilcoxon(difference).iloc[0]
-    return float(outcome["W_val"]), float(outcome["p_val"]), float(outcome["RBC"]), cles
+    # As coarse as its interval: a normal tail of 1e-169 is no probability that anybody could check.
+    return float(outcome["W_val"]), round(float(outcome["p_val"]), ROUNDING_DECIMALS), float(outcome["RBC"]), cles
 
 
 def resampled_wilcoxon_p(difference: Array, codes: Integers, counts: Integers) -> Array:

@@ -7,24 +7,17 @@ from typing import Any
 
 import pandas as pd
 
+from walklab.errors import InputError
 from walklab.evaluation.forecasts import (
-    ADAPTIVE,
-    BARE,
     CALIBRATED,
-    CLIMATOLOGY,
     EXTENDED,
     EXTENDED_EARLIER,
-    GAUSSIAN_PROCESS,
-    LOG_REGRESSION_EARLIER,
-    QUANTILE_REGRESSION,
-    REGRESSION,
-    STATIC,
 )
+from walklab.evaluation.paired_tests import BASELINES, BASELINES_EARLIER
 from walklab.figures.forest import forecast_name
 
 Row = dict[Hashable, Any]
 
-BASELINES = (STATIC, ADAPTIVE, BARE, CLIMATOLOGY, REGRESSION, QUANTILE_REGRESSION, GAUSSIAN_PROCESS)
 GOAL_LOW, GOAL_HIGH = 0.86, 0.94  # of a 90 % interval: set before any scenario was scored
 
 
@@ -34,7 +27,12 @@ def forecast_findings(scores: pd.DataFrame | None, tests: pd.DataFrame | None) -
     Parameters
     ----------
     scores : of :func:`walklab.evaluation.score_tables.score_table`; another table, or none, gives no sentence
-    tests : of :func:`walklab.evaluation.paired_tests.pair_table`; a pair that it lacks is told without its difference
+    tests : of :func:`walklab.evaluation.paired_tests.pair_table`; without it the differences are told without intervals
+
+    Raises
+    ------
+    InputError
+        If the tests lack a pair that is told.
     """
     if scores is None or not {"scenario", "hull", "model", "crps_s", "coverage_90", "bias_s"} <= set(scores):
         return []
@@ -63,13 +61,15 @@ def _by_scenario(scores: pd.DataFrame) -> dict[str, dict[str, Row]]:
 
 
 def _informed(scenarios: dict[str, dict[str, Row]], tests: pd.DataFrame | None) -> list[str]:
-    ours, other = EXTENDED_EARLIER, LOG_REGRESSION_EARLIER
+    """What knows a person's earlier walks, against the best of its like."""
     parts = []
     for scenario, rows in scenarios.items():
-        if ours in rows and other in rows:
-            both = f"{_crps(rows[ours])} in {_words(scenario).lower()} against {_crps(rows[other])}"
-            parts.append(both + _against(tests, scenario, rows, other, ours))
-    return [f"With the person's earlier walks, {EXTENDED} and the regression of log T: {'; '.join(parts)}."] if parts else []
+        others = [name for name in BASELINES_EARLIER if name in rows]
+        if EXTENDED_EARLIER in rows and others:
+            best = min(others, key=lambda name: rows[name]["crps_s"])
+            both = f"{_crps(rows[EXTENDED_EARLIER])} in {_words(scenario).lower()} against {_crps(rows[best])} of {best}"
+            parts.append(both + _against(tests, scenario, rows, best, EXTENDED_EARLIER))
+    return [f"With the person's earlier walks, {EXTENDED} and the best regression: {'; '.join(parts)}."] if parts else []
 
 
 def _coverage(scenarios: dict[str, dict[str, Row]]) -> list[str]:
@@ -88,20 +88,36 @@ def _crps(row: Row) -> str:
 
 
 def _against(tests: pd.DataFrame | None, scenario: str, rows: dict[str, Row], first: str, second: str) -> str:
-    """By how much the second is better or worse than the first, with its interval where the pair was tested."""
+    """By how much the second is better or worse than the first, with its interval where pairs were tested."""
     gain = rows[first]["crps_s"] - rows[second]["crps_s"]
-    text = f", {'better' if gain > 0 else 'worse'} by {abs(gain):.3f} s"
     if tests is None:
-        return text
+        return f", {_gained(gain)}"
+    return f", {_tested(_pair(tests, scenario, first, second), 'mean_difference_s')}"
+
+
+def _pair(tests: pd.DataFrame, scenario: str, first: str, second: str) -> Row:
     asked = {"scenario": scenario, "hull": "all", "first": first, "second": second}
     found = [row for row in tests.to_dict("records") if all(row[name] == value for name, value in asked.items())]
     if len(found) != 1:
-        return text
-    ends = (found[0]["mean_difference_s_low"], found[0]["mean_difference_s_high"])
-    low, high = ends if gain > 0 else (-ends[1], -ends[0])
+        raise InputError(f"tests: {len(found)} rows of {first} against {second} in {scenario}, not one; compare them again")
+    return found[0]
+
+
+def _gained(gain: float) -> str:
+    return f"{'better' if gain > 0 else 'worse'} by {abs(gain):.3f} s"
+
+
+def _tested(row: Row, measure: str) -> str:
+    """A tested difference: interval, and p after Holm of the mixed model beside the exact test, which has a floor."""
+    gain, low, high = (row[f"{measure}{end}"] for end in ("", "_low", "_high"))
+    if gain <= 0:
+        low, high = -high, -low
     zero = "excludes" if low > 0 else "includes"
-    p = f"p after Holm, by participants' means: {found[0]['p_participants_holm']:.2g}"
-    return f"{text} [{low:.3f}, {high:.3f}], which {zero} zero ({p})"
+    return (
+        f"{_gained(gain)} [{low:.3f}, {high:.3f}], which {zero} zero (p after Holm: {row['p_mixed_holm']:.2g} by the mixed model,"
+        f" {row['p_participants_holm']:.2g} by the exact test on the means of {row['participants']} people,"
+        f" whose smallest possible is {row['p_participants_holm_floor']:.2g})"
+    )
 
 
 def _words(scenario: object) -> str:

@@ -7,8 +7,10 @@ import pandas as pd
 import pytest
 from scipy import stats
 
-from walklab.evaluation.paired_tests import holm, pair_table, simulated_power
+from walklab.evaluation import forecasts
+from walklab.evaluation.paired_tests import holm, pair_table, questions, simulated_power
 from walklab.evaluation.signed_rank import wilcoxon_power_are
+from walklab.evaluation.subject_scores import OWN_MAP
 
 
 def alternating(count: int, people: int, effect: float, sd: float) -> tuple[np.ndarray, np.ndarray]:
@@ -61,4 +63,55 @@ def test_table_counts_zeros_and_ties_and_finds_a_difference_of_everybody() -> No
     assert row["p_participants_holm"] == pytest.approx(2 * row["p_participants"])
     assert row["mixed_s_low"] < row["mean_difference_s"] < row["mixed_s_high"]
     assert table.loc[("inside", "a"), "walks"] == 150
-    assert np.isnan(table.loc[("outside", "a"), "mixed_s"])
+    outside = table.loc[("outside", "a")]
+    assert outside["mixed_s_low"] < outside["mean_difference_s"] < outside["mixed_s_high"]
+    # Five people: their exact test cannot go below 2 / 2^5, so it never rejects.
+    assert (outside["participants"], outside["power_participants"], outside["power_walks"]) == (5, 0.0, 1.0)
+
+
+def two_models(participants: list[str], scenario: str, seed: int) -> pd.DataFrame:
+    """Two forecasts of every participant's walks, the second better."""
+    rng = np.random.default_rng(seed)
+    names = [f"{scenario}/{number}" for number in range(len(participants))]
+    walks = pd.DataFrame({"walk": names, "participant": participants, "scenario": scenario, "inside_hull": True})
+    worse = rng.uniform(0.2, 0.4, len(walks))
+    models = {"regression": worse, "P_Prob (extended)": worse - rng.uniform(0.01, 0.1, len(walks))}
+    return pd.concat([walks.assign(model=name, crps_s=values) for name, values in models.items()], ignore_index=True)
+
+
+def test_holm_is_over_all_scenarios_and_the_floor_of_the_exact_test_is_told() -> None:
+    people = [f"p{number % 6}" for number in range(60)]
+    rows = pd.concat([two_models(people, name, seed) for seed, name in enumerate(("one", "two"))])
+    table = pair_table(rows, np.random.default_rng(0), resamples=100).query("hull == 'all'")
+    assert list(zip(table["first"], table["second"], strict=True)) == [("regression", "P_Prob (extended)")] * 2
+    np.testing.assert_allclose(table["p_mixed_holm"], holm(table["p_mixed"].to_numpy()))
+    np.testing.assert_allclose(table["p_participants"], 2 / 2**6)  # for all six the second is better
+    np.testing.assert_allclose(table["p_participants_holm_floor"], 2 * 2 / 2**6)
+    np.testing.assert_allclose(table["p_participants_holm"], table["p_participants_holm_floor"])
+    assert (table["participants_better"] == 6).all()
+
+
+def test_every_participant_counts_once_in_the_difference_of_participants() -> None:
+    rows = two_models(["a"] * 30 + ["b", "c"], "one", 3)
+    row = pair_table(rows, np.random.default_rng(0), resamples=100).iloc[0]
+    wide = rows.pivot_table(index=["walk", "participant"], columns="model", values="crps_s")
+    less = wide["regression"] - wide["P_Prob (extended)"]
+    assert row["participants_difference_s"] == pytest.approx(less.groupby("participant").mean().mean(), abs=1e-8)
+    assert row["mean_difference_s"] == pytest.approx(less.mean(), abs=1e-8)
+
+
+def test_two_people_say_nothing_of_the_variance_between_people() -> None:
+    row = pair_table(two_models(["a", "b"] * 20, "one", 4), np.random.default_rng(0), resamples=100).iloc[0]
+    assert row[["mixed_s", "p_mixed", "power_participants", "size_walks"]].isna().all()
+    assert np.isfinite(row["p_walks"])
+
+
+def test_the_questions_hold_every_baseline_against_both_learned_models() -> None:
+    names = {value for name, value in vars(forecasts).items() if name.isupper() and isinstance(value, str)}
+    ours = {forecasts.CALIBRATED, forecasts.EXTENDED}
+    baselines = names - set(forecasts.INFORMED) - ours - {forecasts.LITERAL, OWN_MAP}
+    asked = set(questions(names | {OWN_MAP}))
+    assert asked >= {(baseline, model) for baseline in baselines for model in ours}
+    regressions = {forecasts.REGRESSION_EARLIER, forecasts.LOG_REGRESSION_EARLIER, forecasts.QUADRATIC_REGRESSION_EARLIER}
+    assert asked >= {(name, forecasts.EXTENDED_EARLIER) for name in regressions}
+    assert questions({"P_Stat"}) == []

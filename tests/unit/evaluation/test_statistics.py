@@ -7,6 +7,7 @@ import pandas as pd
 import pytest
 from scipy import stats
 
+from walklab.evaluation.mixed import intercept_of
 from walklab.evaluation.statistics import by_dataset, describe, mixed_model, percentile_intervals, reductions, shapiro_wilk
 
 Build = Callable[..., pd.DataFrame]
@@ -79,6 +80,19 @@ def test_mixed_model_contrasts_are_differences_of_means(make_trials: Build) -> N
     table = mixed_model(trials, []).set_index("term")
     means = trials.groupby("model")["abs_dt_s"].mean()
     assert table.loc["P_Adapt - P_Stat", "estimate_s"] == pytest.approx(means["P_Adapt"] - means["P_Stat"], abs=1e-6)
+
+
+def test_mixed_model_of_equally_many_walks_is_the_t_test_of_participants_means() -> None:
+    """Ten people with 30 walks each, who differ: REML's standard error is that of their means, with nine degrees of freedom."""
+    rng = np.random.default_rng(6)
+    people = np.repeat(np.arange(10), 30)
+    error = 0.05 + rng.normal(0, 0.1, 10)[people] + rng.normal(0, 0.2, 300)
+    row = intercept_of(pd.DataFrame({"participant": people, "error": error}))
+    expected = stats.ttest_1samp(pd.Series(error).groupby(people).mean(), 0.0)
+    low, high = expected.confidence_interval(0.95)
+    assert row["p"] == pytest.approx(expected.pvalue, rel=1e-3)
+    assert (row["low_s"], row["high_s"]) == (pytest.approx(low, rel=1e-3), pytest.approx(high, rel=1e-3))
+    assert row["p"] > 1.05 * 2 * stats.norm.sf(abs(expected.statistic))  # what a normal tail would say
 
 
 def test_data_sets_are_stacked_under_their_names() -> None:

@@ -3,6 +3,7 @@
 import pandas as pd
 import pytest
 
+from walklab.errors import InputError
 from walklab.report.findings import forecast_findings, realism_findings
 
 
@@ -19,27 +20,41 @@ def scores(calibrated: float = 0.3, coverage: float = 0.85) -> pd.DataFrame:
     return pd.DataFrame(rows, columns=names).assign(bias_s=lambda table: table["crps_s"] - 0.22)
 
 
-def pairs(low: float, high: float) -> pd.DataFrame:
+def pairs(difference: float, low: float, high: float) -> pd.DataFrame:
+    """Tests of all pairs that are told; that of the Gaussian process and P_Prob (calibrated) as given."""
     names = ["scenario", "hull", "first", "second", "mean_difference_s", "mean_difference_s_low", "mean_difference_s_high"]
-    row = ("scenario_1", "all", "Gaussian process", "P_Prob (calibrated)", -0.1, low, high)
-    return pd.DataFrame([row], columns=names).assign(p_participants_holm=0.25)
+    rows = [
+        ("scenario_1", "all", "Gaussian process", "P_Prob (calibrated)", difference, low, high),
+        ("scenario_1", "all", "Gaussian process", "P_Prob (extended)", 0.05, 0.04, 0.06),
+        ("scenario_1", "all", "log regression, earlier walks", "P_Prob (extended), earlier walks", -0.01, -0.02, 0.0),
+        ("scenario_1", "inside", "Gaussian process", "P_Prob (calibrated)", 9.0, 9.0, 9.0),
+    ]
+    floor = {"participants": 10, "p_participants_holm_floor": 0.1}
+    return pd.DataFrame(rows, columns=names).assign(p_participants_holm=0.25, p_mixed_holm=0.031, **floor)
 
 
 def test_the_winner_is_named_with_the_difference_and_its_interval():
-    first, *_ = forecast_findings(scores(), pairs(-0.17, -0.02))
+    first, *_ = forecast_findings(scores(), pairs(-0.1, -0.17, -0.02))
     assert "best baseline that knows only the task is Gaussian process (CRPS 0.200 s [0.190, 0.210])" in first
     assert "P_Prob (calibrated) has 0.300 s [0.290, 0.310], worse by 0.100 s [0.020, 0.170], which excludes zero" in first
-    assert "means: 0.25)" in first
+    assert "(p after Holm: 0.031 by the mixed model, 0.25 by the exact test on the means of 10 people, whose smallest" in first
+    assert "whose smallest possible is 0.1)" in first
     assert "captured time: -0.02 s (Gaussian process), +0.08 s (P_Prob (calibrated)), -0.07 s (P_Prob (extended))." in first
-    assert "P_Prob (extended) has 0.150 s [0.140, 0.160], better by 0.050 s." in first  # no such pair was tested
+    assert "P_Prob (extended) has 0.150 s [0.140, 0.160], better by 0.050 s [0.040, 0.060], which excludes zero" in first
+
+
+def test_a_pair_that_was_not_tested_is_an_error_and_not_left_out():
+    with pytest.raises(InputError, match="0 rows of Gaussian process against"):
+        forecast_findings(scores(), pairs(-0.1, -0.17, -0.02).iloc[1:])
+    assert "P_Prob (extended) has 0.150 s [0.140, 0.160], better by 0.050 s." in forecast_findings(scores(), None)[0]
 
 
 def test_an_interval_across_zero_is_said_to_be_so():
-    assert "worse by 0.100 s [-0.010, 0.170], which includes zero" in forecast_findings(scores(), pairs(-0.17, 0.01))[0]
+    assert "worse by 0.100 s [-0.010, 0.170], which includes zero" in forecast_findings(scores(), pairs(-0.1, -0.17, 0.01))[0]
 
 
 def test_a_model_that_wins_is_better():
-    assert "better by 0.100 s [0.020, 0.170], which excludes zero" in forecast_findings(scores(0.1), pairs(0.02, 0.17))[0]
+    assert "better by 0.100 s [0.020, 0.170], which excludes zero" in forecast_findings(scores(0.1), pairs(0.1, 0.02, 0.17))[0]
 
 
 def test_a_model_of_one_time_has_the_spread_of_its_residuals():
@@ -55,7 +70,10 @@ def test_coverage_is_held_against_the_goal(coverage, place):
 
 def test_those_who_know_the_person_are_compared_with_their_like():
     text = forecast_findings(scores(), None)[1]
-    assert "0.080 s [0.070, 0.090] in scenario 1 against 0.070 s [0.060, 0.080], worse by 0.010 s" in text
+    assert (
+        "0.080 s [0.070, 0.090] in scenario 1 against 0.070 s [0.060, 0.080] of log regression, earlier walks, worse by 0.010 s"
+        in text
+    )
 
 
 def test_another_table_says_nothing():
