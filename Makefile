@@ -10,7 +10,7 @@
 # make track    log a finished run to MLflow (RUN=results/steering, URI=...)
 # make crate    pack it as a Workflow Run RO-Crate
 # make large    capture, maps and blending space of 50 000 walks
-# make sizing   what 10^3 to 10^7 walks cost, from the runs of make and make large
+# make sizing   what 10^3 to 10^7 walks cost, from the runs of make and make large: docs/cluster.md
 # make docs     the documentation as a site: build/site      make audit   known holes in locked packages
 # make container   the Containerfile, from the lock file
 # make manual   config/README.md, docs/data.md      make lock   the lock files
@@ -59,10 +59,10 @@ multiverse: .venv/ready
 
 # One call, the longest files first: while a test of the DAG waits for a job, another worker uses the other core.
 test: .venv/ready .venv/tracking .venv/validator/ready
-	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder -m "not slow"
+	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder -rs -m "not slow"
 
 test-all: .venv/ready .venv/tracking .venv/validator/ready
-	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder -rs
 
 # One core where a row says so, and the BLAS kernels that the processor wants: neither may slow a baseline.
 BENCH := env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
@@ -79,7 +79,7 @@ large: .venv/ready
 	$(SNAKEMAKE) --configfile config/large.yaml --until build_space
 
 sizing: .venv/ready
-	$(BIN)/python workflow/sizing.py results/steering results/large
+	$(BIN)/python workflow/sizing.py results/steering results/large --write
 
 RUN ?= results/steering
 

@@ -62,7 +62,7 @@ def track(
     run: Run,
     uri: Annotated[str | None, typer.Option(help="MLflow tracking URI; none: results/mlflow.db beside the run.")] = None,
 ) -> None:
-    """Log a finished run to MLflow (extra walklab[tracking]); the same record is logged once."""
+    """Log a finished run to MLflow; the same record is logged once. Needs the extra "tracking" of walklab."""
     from walklab.runs.tracking import track as tracked
 
     identity, new = tracked(run, uri)
@@ -75,7 +75,7 @@ def crate(
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Zip file; none: RUN.crate.zip.")] = None,
     root: Annotated[Path, typer.Option(help="The checkout that the run was made with.")] = Path(),
 ) -> None:
-    """Pack a finished run as a Workflow Run RO-Crate (extra walklab[tracking])."""
+    """Pack a finished run as a Workflow Run RO-Crate. Needs the extra "tracking" of walklab."""
     from walklab.runs.crate import write_crate
 
     target = output or run.parent / f"{run.name}.crate.zip"
@@ -84,7 +84,10 @@ def crate(
 
 @plain_errors
 def check(run: Run) -> None:
-    """Look for damaged and half-written files in a run, and for dates in the future; say what to type."""
+    """Look for damaged and half-written files in a run; say what to type.
+
+    A file dated in the future (the clock went back), damaged or not, is dated to now: Snakemake goes by dates.
+    """
     from walklab.runs.checksums import date_back, inspect
 
     found = inspect(run)

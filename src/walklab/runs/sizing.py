@@ -1,7 +1,11 @@
-"""What a study of many walks costs: straight lines through measured jobs, carried on to more walks.
+"""What a study of many walks costs: what its jobs have taken in runs of different sizes, carried on to more walks.
 
-A job's CPU time, peak memory and bytes on disk are taken to be ``fixed + per_walk * n`` with n the walks that
-the job handles; the two numbers come from the jobs of at least two sizes (least squares).
+A job's CPU time, peak memory and bytes on disk are taken to be ``fixed + per_walk * n`` with n the walks that the job handles.
+Every run gives one point for each stage: of its equal jobs, the lower median of CPU time (a job that compiles the kernels
+first is no measure of the others), the largest memory and the mean of the disk.
+
+Up-sampling is not a straight line: each of n walks and of m added entries is compared with 8 m candidates, so CPU time of the
+blending space is ``fixed + per_walk * n + per_pair * m (n + m)``. Memory and disk grow with its entries, n + m.
 """
 
 from __future__ import annotations
@@ -13,25 +17,51 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
+import xarray as xr
+from scipy.optimize import nnls
 
 from walklab.errors import InputError
+from walklab.runs import cost
+from walklab.storage import read_json
 
 # Stages that run once a shard, in their order, and the one that all maps meet in.
 SHARDED = ("record_training", "extract_training", "plan_training", "score_maps")
 MEETING = "build_space"
+# What a job takes that computes next to nothing.
+IDLE = "draw_participants"
 HOUR_S = 3600.0
 # What lies beside the products of a job.
-BESIDE = ("log.txt", "benchmark.tsv", "checksums.txt", "cost.json")
+BESIDE = ("log.txt", "benchmark.tsv", "checksums.txt", cost.FILE)
+QUANTITIES = ("cpu_s", "memory_mb", "disk_mb")
 
 
 @dataclass(frozen=True)
 class Cost:
-    """Of one job."""
+    """Of one job, or of the typical one of a stage; ``added`` entries are blended, in the blending space only."""
 
-    walks: int
+    walks: float
     cpu_s: float
     memory_mb: float
     disk_mb: float
+    added: int = 0
+
+    @property
+    def entries(self) -> float:
+        """Walks and what is added to them."""
+        return self.walks + self.added
+
+    @property
+    def pairs(self) -> float:
+        """Added entries times all entries."""
+        return self.added * self.entries
+
+
+@dataclass(frozen=True)
+class Costs:
+    """Of the stages of several runs: a typical job of each run, and the CPU time (s) of a job that hardly computes."""
+
+    stages: dict[str, list[Cost]]
+    idle_cpu_s: float
 
 
 @dataclass(frozen=True)
@@ -45,34 +75,50 @@ class Line:
         return self.fixed + self.per_walk * walks
 
 
-def measured(runs: Sequence[str | Path]) -> dict[str, list[Cost]]:
-    """Costs of the jobs of each training stage in finished runs.
+def measured(runs: Sequence[str | Path]) -> Costs:
+    """Costs of a typical job of each training stage in finished runs, as the jobs measured them (:mod:`walklab.runs.cost`).
 
     Raises
     ------
     InputError
         If a run has no finished blending space.
     """
-    costs: dict[str, list[Cost]] = {stage: [] for stage in (*SHARDED, MEETING)}
+    stages: dict[str, list[Cost]] = {stage: [] for stage in (*SHARDED, MEETING)}
+    idle = []
     for run in runs:
         replicate = Path(run) / "0"
-        tables = replicate.glob("extract_training/*/walks.parquet")
+        # Not what extract_training cuts out of the recordings: half of that is no training walk.
+        tables = replicate.glob("plan_training/*/vectors.parquet")
         counts = {table.parent.name: pq.read_metadata(table).num_rows for table in tables}
-        if not counts or not (replicate / MEETING / "benchmark.tsv").is_file():
+        if not counts or not (replicate / MEETING / cost.FILE).is_file():
             raise InputError(f"{run}: no finished {MEETING} in it; run the study first")
         for stage in SHARDED:
-            costs[stage] += [_cost(replicate / stage / shard, walks) for shard, walks in counts.items()]
-        costs[MEETING].append(_cost(replicate / MEETING, sum(counts.values())))
-    return costs
+            stages[stage].append(typical([_cost(replicate / stage / shard, walks) for shard, walks in counts.items()]))
+        with xr.open_dataset(replicate / MEETING / "blending_space.nc") as space:
+            entries = space.sizes["entry"]
+        walks = sum(counts.values())
+        stages[MEETING].append(_cost(replicate / MEETING, walks, entries - walks))
+        idle.append(float(read_json(replicate / IDLE / cost.FILE)["cpu_s"]))
+    return Costs(stages, min(idle))
 
 
-def _cost(folder: Path, walks: int) -> Cost:
-    row = pd.read_csv(folder / "benchmark.tsv", sep="\t", na_values="-").iloc[0]
+def typical(jobs: Sequence[Cost]) -> Cost:
+    """One job for the equal ones of a run: lower median of CPU time, largest memory, mean of walks and disk."""
+    return Cost(
+        float(np.mean([job.walks for job in jobs])),
+        sorted(job.cpu_s for job in jobs)[(len(jobs) - 1) // 2],
+        max(job.memory_mb for job in jobs),
+        float(np.mean([job.disk_mb for job in jobs])),
+    )
+
+
+def _cost(folder: Path, walks: int, added: int = 0) -> Cost:
+    took = read_json(folder / cost.FILE)
     size = sum(path.stat().st_size for path in folder.iterdir() if path.name not in BESIDE)
-    return Cost(walks, float(row["cpu_time"]), float(row["max_rss"]), size / 1e6)
+    return Cost(walks, float(took["cpu_s"]), float(took["peak_memory_mb"]), size / 1e6, added)
 
 
-def line(costs: Sequence[Cost], what: str) -> Line:
+def line(sizes: Sequence[float], values: Sequence[float]) -> Line:
     """Least squares through one quantity of jobs of different sizes.
 
     Raises
@@ -80,17 +126,27 @@ def line(costs: Sequence[Cost], what: str) -> Line:
     InputError
         If all jobs have about the same size, so that fixed and growing costs cannot be told apart.
     """
-    walks = np.array([cost.walks for cost in costs], dtype=float)
-    values = np.array([getattr(cost, what) for cost in costs])
+    walks, taken = np.array(sizes, dtype=float), np.array(values, dtype=float)
     if walks.max() < 1.2 * walks.min():
         raise InputError("all measured jobs have about the same number of walks; give runs of different sizes")
-    per_walk, fixed = np.polyfit(walks, values, 1)
+    per_walk, fixed = np.polyfit(walks, taken, 1)
     if fixed < 0:  # noise: what no walk costs cannot be negative
-        return Line(0.0, float((walks @ values) / (walks @ walks)))
+        return Line(0.0, float((walks @ taken) / (walks @ walks)))
     return Line(float(fixed), float(max(per_walk, 0.0)))
 
 
-def sizing(costs: dict[str, list[Cost]], walks: Sequence[int], walks_per_shard: int) -> pd.DataFrame:
+def upsampling(jobs: Sequence[Cost], idle_cpu_s: float) -> tuple[float, float]:
+    """CPU time (s) of the blending space per walk and per pair, over that of a job that hardly computes; neither is negative."""
+    shape = np.array([(job.walks, job.pairs) for job in jobs], dtype=float)
+    taken = np.array([max(job.cpu_s - idle_cpu_s, 0.0) for job in jobs])
+    unit = shape.max(axis=0)
+    unit[unit == 0] = 1.0  # nothing is added in any run
+    found, _ = nnls(shape / unit, taken)
+    per_walk, per_pair = found / unit
+    return float(per_walk), float(per_pair)
+
+
+def sizing(costs: Costs, walks: Sequence[int], walks_per_shard: int, added_per_walk: float) -> pd.DataFrame:
     """Cost of capture, maps and blending space for numbers of walks; a row per number and stage.
 
     Returns
@@ -99,26 +155,59 @@ def sizing(costs: dict[str, list[Cost]], walks: Sequence[int], walks_per_shard: 
     """
     rows = []
     for total in walks:
-        for stage in (*SHARDED, MEETING):
-            jobs = 1 if stage == MEETING else -(-total // walks_per_shard)
-            share = total / jobs
-            cpu_s, memory_mb, disk_mb = (line(costs[stage], what).at(share) for what in ("cpu_s", "memory_mb", "disk_mb"))
-            rows.append((total, stage, jobs, jobs * cpu_s / HOUR_S, memory_mb / 1e3, jobs * disk_mb / 1e3))
+        for stage in SHARDED:
+            jobs = -(-total // walks_per_shard)
+            points = costs.stages[stage]
+            sizes = [point.walks for point in points]
+            taken = [line(sizes, [getattr(point, what) for point in points]).at(total / jobs) for what in QUANTITIES]
+            rows.append((total, stage, jobs, *_units(jobs, *taken)))
+        rows.append((total, MEETING, 1, *_units(1, *_meeting(costs, total, round(added_per_walk * total)))))
     return pd.DataFrame(rows, columns=["walks", "stage", "jobs", "core_hours", "memory_gb", "disk_gb"])
 
 
-def as_markdown(table: pd.DataFrame, node_memory_gb: float) -> str:
-    """The table for the manual, with a line per number of walks that says whether it fits a node."""
+def _meeting(costs: Costs, walks: int, added: int) -> tuple[float, float, float]:
+    points = costs.stages[MEETING]
+    asked = Cost(walks, 0.0, 0.0, 0.0, added)
+    per_walk, per_pair = upsampling(points, costs.idle_cpu_s)
+    sizes = [point.entries for point in points]
+    memory_mb, disk_mb = (
+        line(sizes, [getattr(point, what) for point in points]).at(asked.entries) for what in ("memory_mb", "disk_mb")
+    )
+    return costs.idle_cpu_s + per_walk * walks + per_pair * asked.pairs, memory_mb, disk_mb
+
+
+def _units(jobs: int, cpu_s: float, memory_mb: float, disk_mb: float) -> tuple[float, float, float]:
+    return jobs * cpu_s / HOUR_S, memory_mb / 1e3, jobs * disk_mb / 1e3
+
+
+def measurements(costs: Costs) -> str:
+    """What the lines go through, as a table for the manual: a row per stage and run."""
+    lines = ["| stage | walks of a job | entries added | CPU time (s) | memory (GB) | disk (MB) |", "|---|---|---|---|---|---|"]
+    lines += [
+        f"| {stage} | {job.walks:,.0f} | {job.added or '-'} | {job.cpu_s:.3g} | {job.memory_mb / 1e3:.2g} | {job.disk_mb:.3g} |"
+        for stage, jobs in costs.stages.items()
+        for job in jobs
+    ]
+    return "\n".join(lines)
+
+
+def as_markdown(table: pd.DataFrame, node_memory_gb: float, job_hours: float) -> str:
+    """The table for the manual, with a line per number of walks that says whether its jobs fit a node and its longest job."""
     lines = ["| walks | stage | jobs | core-hours | memory of a job (GB) | disk (GB) |", "|---|---|---|---|---|---|"]
     for total, part in table.groupby("walks"):
         for row in part.itertuples():
             cells = (f"{row.core_hours:.3g}", f"{row.memory_gb:.2g}", f"{row.disk_gb:.2g}")
             lines.append(f"| {total:,} | {row.stage} | {row.jobs:,} | {' | '.join(cells)} |")
-        largest = part.sort_values("memory_gb").iloc[-1]
-        fits = largest["memory_gb"] <= node_memory_gb
-        verdict = "fits" if fits else f"breaks: {largest['stage']} does not fit"
         lines.append(
-            f"| **{total:,}** | **all; {verdict} into {node_memory_gb:g} GB** | **{part['jobs'].sum():,}** "
-            f"| **{part['core_hours'].sum():.3g}** | **{largest['memory_gb']:.2g}** | **{part['disk_gb'].sum():.2g}** |"
+            f"| **{total:,}** | **all: {_verdict(part, node_memory_gb, job_hours)}** | **{part['jobs'].sum():,}** "
+            f"| **{part['core_hours'].sum():.3g}** | **{part['memory_gb'].max():.2g}** | **{part['disk_gb'].sum():.2g}** |"
         )
     return "\n".join(lines)
+
+
+def _verdict(part: pd.DataFrame, node_memory_gb: float, job_hours: float) -> str:
+    large = part[part["memory_gb"] > node_memory_gb]["stage"]
+    long = part[part["core_hours"] / part["jobs"] > job_hours]["stage"]
+    breaks = [f"{stage} needs more than {node_memory_gb:g} GB" for stage in large]
+    breaks += [f"{stage} takes more than {job_hours:g} hours" for stage in long]
+    return f"breaks: {'; '.join(breaks)}" if breaks else f"fits nodes of {node_memory_gb:g} GB"

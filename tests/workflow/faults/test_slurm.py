@@ -6,11 +6,13 @@ import socket
 import subprocess
 from pathlib import Path
 
+import psutil
 import pytest
 
 pytestmark = pytest.mark.workflow
 
 SCRIPT = Path(__file__).parents[1] / "slurm_one_node.sh"
+INSTALLED = Path("/etc/slurm/slurm.conf")
 PROGRAMS = ("slurmctld", "slurmd", "sbatch", "srun", "squeue", "scancel", "scontrol", "munged")
 # The node promises twice the machine's two cores: the jobs are short and mostly start up.
 CPUS = 4
@@ -28,9 +30,9 @@ def reason_against_a_cluster():
         return "a cluster of one node can only be started by root"
     if missing:
         return f"no {', '.join(missing)}: apt-get install slurmctld slurmd slurm-client munge"
-    if os.path.lexists("/etc/slurm/slurm.conf"):
-        return "/etc/slurm/slurm.conf exists: this machine has a cluster already"
-    return ""
+    # What a killed test has left is taken away.
+    cleared = subprocess.run([SCRIPT, "clear"], capture_output=True, text=True, check=False, timeout=120)
+    return cleared.stderr.strip() if cleared.returncode else ""
 
 
 @pytest.fixture(scope="module")
@@ -63,6 +65,27 @@ def finish(process):
     output, _ = process.communicate(timeout=3000)
     assert process.returncode == 0, output[-6000:]
     return output
+
+
+@pytest.mark.parametrize("folder_is_gone", [False, True])
+def test_a_cluster_whose_starter_was_killed_is_taken_away(folder_is_gone, tmp_path):
+    """Stands before the tests that share a cluster."""
+    if reason := reason_against_a_cluster():
+        pytest.skip(reason)
+    subprocess.run(["bash", "-c", f"'{SCRIPT}' start '{tmp_path}'; exit $?"], check=True, timeout=120)
+    assert INSTALLED.is_symlink()
+    daemons = [found for found in psutil.process_iter() if any(str(tmp_path) in part for part in found.cmdline())]
+    assert {found.name() for found in daemons} == {"slurmctld", "slurmd", "munged"}
+    if folder_is_gone:
+        shutil.rmtree(tmp_path)
+    assert reason_against_a_cluster() == ""
+    assert not INSTALLED.is_symlink()
+    assert not psutil.wait_procs(daemons, timeout=20)[1]
+
+
+def test_the_cluster_of_a_test_that_runs_is_left_alone(cluster):
+    assert "is running" in reason_against_a_cluster()
+    assert INSTALLED.is_symlink()
 
 
 def test_the_tiny_study_on_a_cluster_gives_the_local_files(cluster, study, tally):
