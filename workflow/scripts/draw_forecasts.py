@@ -7,7 +7,7 @@ from walklab.storage import read_table
 
 if __name__ == "__main__":
     with job(snakemake):
-        calibration = read_table(snakemake.input.calibration)
-        figures = (fig_forecast_scores(read_table(snakemake.input.scores)), fig_calibration(calibration), fig_pit(calibration))
+        scores, calibration = read_table(snakemake.input.scores), read_table(snakemake.input.calibration)
+        figures = (fig_forecast_scores(scores), fig_calibration(calibration, scores), fig_pit(calibration))
         for number, figure in enumerate(figures):
             save(figure, *snakemake.output[2 * number : 2 * number + 2])

@@ -222,15 +222,15 @@ def fig09(
     _neighbours(figure, points, [quantity(n, u) for n, u in zip(names, units, strict=True)], query, neighbours, weights)
     _blended(figure, grid, space)
     first, second = space.axes[:2]
-    ax = figure.add_axes(in_mm(figure, 107, 20, 31, 31))
+    ax = figure.add_axes(in_mm(figure, 106, 20, 31, 31))
     mesh = ax.pcolormesh(*fine_values, surface.T, cmap=SUITABILITY, shading="nearest", rasterized=True)
     ax.contour(*fine_values, surface.T, levels=6, colors="white", linewidths=0.4)
-    bar = figure.add_axes(in_mm(figure, 107, 7.5, 31, 1.8))
+    bar = figure.add_axes(in_mm(figure, 106, 7.5, 31, 1.8))
     figure.colorbar(mesh, cax=bar, orientation="horizontal", label="density, not normalised (1)")
     units_of = {axis.name: unit_text(axis.unit) for axis in space.axes}
     held = [f"{symbol(name)} = {value:.2f} {units_of.get(name, '')}" for name, value in held_at.items()]
     letter(ax, 2, "\n".join(held) or "interpolated map")
-    last = figure.add_axes(in_mm(figure, 147, 20, 31, 31))
+    last = figure.add_axes(in_mm(figure, 148, 20, 31, 31))
     looks: list[tuple[str, Array, dict[str, Any]]] = [
         ("rejected", rejected, {"marker": "x", "color": FAINT, "ms": 2.5, "mew": 0.6}),
         ("accepted", accepted, {"marker": "o", "color": BLUE, "ms": 2.2, "mew": 0}),
@@ -241,7 +241,7 @@ def fig09(
     last.legend(loc="upper center", bbox_to_anchor=(0.5, -0.26), markerscale=1.8, handletextpad=0.2)
     letter(last, 3, "samples")
     for panel in (ax, last):
-        panel.set(xlabel=quantity(first.name, first.unit), ylabel=quantity(second.name, second.unit) if panel is ax else "")
+        panel.set(xlabel=quantity(first.name, first.unit), ylabel=quantity(second.name, second.unit))
         panel.set(xlim=(first.values[0], first.values[-1]), ylim=(second.values[0], second.values[-1]))
         panel.xaxis.set_major_locator(MaxNLocator(3, steps=[1, 2, 5, 10]))  # a long label at the right end would be cut off
     return figure
@@ -263,7 +263,7 @@ def _neighbours(
     ax.scatter(*near.T, s=6, c=shade, cmap="Greys", vmin=-0.9, vmax=1.0, linewidths=0, rasterized=True, **depth)
     ax.plot(*target[:, None], "*", color=VERMILLION, ms=5, mec="black", mew=0.4)
     if solid:
-        label_cube(ax, labels[:3], pad=(-9, -9, -7))
+        label_cube(ax, labels[:3], pad=(-9, -9, -5))
     else:
         ax.set(xlabel=labels[0], ylabel=labels[1] if len(labels) > 1 else "")
     note(figure, 2, 53.2, 0, f"{len(near)} nearest maps")

@@ -83,13 +83,17 @@ def note(figure: Figure, left_mm: float, bottom_mm: float, index: int, text: str
     figure.text(x, y, f"{bold_letter(index)}  {text}", fontsize=7.5)
 
 
-def label_cube(ax: Any, labels: list[str], ticks: int = 3, pad: tuple[float, float, float] = (-9.0, -9.0, -11.5)) -> None:
+def label_cube(ax: Any, labels: list[str], ticks: int = 3, pad: tuple[float, float, float] = (-9.0, -9.0, -9.0)) -> None:
     """Name the three axes, close to them."""
     for axis, text, distance in zip((ax.xaxis, ax.yaxis, ax.zaxis), labels, pad, strict=True):
         axis.set_major_locator(MaxNLocator(ticks, steps=[1, 2, 5, 10]))
         axis.set_label_text(text)
         axis.labelpad = distance
+    # The lowest number of the second axis would run into the highest of the first.
+    low, high = ax.get_ylim()
+    ax.set_yticks([at for at in ax.get_yticks() if low + 0.12 * (high - low) < at < high])
     ax.tick_params(pad=-4, labelsize=6)
+    ax.zaxis.set_tick_params(pad=-1.5)
 
 
 def draw_cells(ax: Any, grid: Array, space: ParameterSpace, norm: Normalize, size: float = 16.0, labels: bool = True) -> None:

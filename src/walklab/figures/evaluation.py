@@ -32,6 +32,7 @@ from walklab.figures.tables import PERCENTILES, draw_box, draw_table, number
 
 ERROR = "|Δt| (s)"
 MODEL = colour("P_Prob")
+ASTRAY = {"passed": "missed the end", "timeout": "timed out"}  # how a simulated walk can fail to arrive
 
 
 def fig11(
@@ -69,14 +70,14 @@ def travel_time_errors(
 
     Parameters
     ----------
-    trials : DataFrame[model, abs_dt_s]
-    description : DataFrame[model, n, not_arrived, mean, p05, p25, median, p75, p95, iqr, skew, shapiro_w, shapiro_p]
+    trials : DataFrame[model, abs_dt_s, arrival (``arrived``, ``passed``, ``timeout``)]
+    description : DataFrame[model, n, mean, p05, p25, median, p75, p95, iqr, skew, shapiro_w, shapiro_p]
     pairs : DataFrame[first, second, n, zeros, w, p, rank_biserial, cles, median_difference_s, power]
     published : model -> any of p05, p25, median, p75, p95 in seconds
     published_pairs : ``<first>_vs_<second>`` -> any of ``p``, ``p_max`` and ``power``
     """
-    require(trials, ["model"], name, ["abs_dt_s"])
-    require(description, ["model", "n", "not_arrived", "skew", "shapiro_w", "shapiro_p"], name, ["mean", "iqr", *PERCENTILES])
+    require(trials, ["model", "arrival"], name, ["abs_dt_s"])
+    require(description, ["model", "n", "skew", "shapiro_w", "shapiro_p"], name, ["mean", "iqr", *PERCENTILES])
     require(pairs, ["first", "second", "n", "zeros", "w", "rank_biserial", "cles", "median_difference_s", "power"], name, ["p"])
     models = ordered_models(list(description["model"]))
     stated = {model: {key: row[key] for key in PERCENTILES if key in row} for model, row in published.items()}
@@ -84,16 +85,19 @@ def travel_time_errors(
     limit = 1.12 * max(
         [float(described["p95"].max()), *(value for row in stated.values() for value in row.values() if np.isfinite(value))]
     )
-    statistics, tests = _statistics_rows(described, models, stated), _test_rows(pairs, published_pairs)
+    # Columns for what occurs: a walk whose turning circle is too wide for its route misses the end; few ever time out.
+    astray = {words: kind for kind, words in ASTRAY.items() if kind == "passed" or (trials["arrival"] == kind).any()}
+    counts = {words: trials.loc[trials["arrival"] == kind, "model"].value_counts() for words, kind in astray.items()}
+    statistics, tests = _statistics_rows(described, counts, models, stated), _test_rows(pairs, published_pairs)
     heights = [48.0, 4.6 * (len(statistics) + 1.25), 4.6 * (len(tests) + 1.25)]
     figure = new_figure(DOUBLE_MM, sum(heights) + 22)
     grid = figure.add_gridspec(3, 1, height_ratios=heights)
     top = grid[0].subgridspec(len(models), 2, wspace=0.08, hspace=0.1)
     _histograms(figure, top, trials, models, limit)
     _boxes(figure.add_subplot(top[:, 1]), described, models, stated, limit)
-    columns = ["", "n", "no arrival", "mean", "5 %", "25 %", "median", "75 %", "95 %", "IQR", "skew", "Shapiro W", "p"]
+    columns = ["", "n", *counts, "mean", "5 %", "25 %", "median", "75 %", "95 %", "IQR", "skew", "Shapiro W", "p"]
     below = figure.add_subplot(grid[1])
-    draw_table(below, columns, statistics, [2.1, 0.9, 1.3, *[1.0] * 8, 1.4, 1.0])
+    draw_table(below, columns, statistics, [2.4, 0.9, *[1.9] * len(counts), *[1.0] * 8, 1.4, 1.0])
     letter(below, 2, "descriptive statistics of |Δt| (s)")
     columns = ["", "n", "zeros", "Wilcoxon W", "p", "median diff. (s)", "rank-biserial r", "CLES", "power"]
     last = figure.add_subplot(grid[2])
@@ -141,17 +145,22 @@ def _boxes(
 
 
 def _statistics_rows(
-    described: pd.DataFrame, models: list[str], published: Mapping[str, Mapping[str, float]]
+    described: pd.DataFrame,
+    counts: Mapping[str, Any],
+    models: list[str],
+    published: Mapping[str, Mapping[str, float]],
 ) -> list[tuple[str | None, list[str]]]:
     rows: list[tuple[str | None, list[str]]] = []
     for model in models:
         row: Any = described.loc[model]
-        texts = [model_label(model), str(int(row["n"])), str(int(row["not_arrived"])), number(row["mean"])]
+        astray = [str(int(count.get(model, 0))) for count in counts.values()]
+        texts = [model_label(model), str(int(row["n"])), *astray, number(row["mean"])]
         texts += [number(row[key]) for key in (*PERCENTILES, "iqr")]
         rows.append((None, [*texts, number(row["skew"], 2), number(row["shapiro_w"]), number(row["shapiro_p"])]))
         if figures := published.get(model):
             spread = figures.get("p75", np.nan) - figures.get("p25", np.nan)
-            texts = ["   published", "", "", "", *(number(figures.get(key, np.nan)) for key in PERCENTILES), number(spread)]
+            texts = ["   published", "", "", *[""] * len(counts)]
+            texts += [*(number(figures.get(key, np.nan)) for key in PERCENTILES), number(spread)]
             rows.append((PUBLISHED, [*texts, "", "", ""]))
     return rows
 
@@ -282,7 +291,7 @@ def fig15(times: pd.DataFrame, published: pd.DataFrame) -> Figure:
                 if np.isfinite(iqr):
                     ax.plot([place + 0.38] * 2, [median - iqr / 2, median + iqr / 2], color=PUBLISHED, lw=1.0)
                 ax.plot(place + 0.38, median, label="published", **PUBLISHED_MARK)
-        ax.set_xticks(range(len(models)), [model_label(name) for name in models])
+        ax.set_xticks(range(len(models)), [model_label(name).replace(" (", "\n(") for name in models])
         ax.set(ylabel="travel time (s)" if index == 0 else "", xlim=(-0.5, len(models) - 0.4))
         plain_log_axis(ax, 2.5)
         ax.grid(axis="y")

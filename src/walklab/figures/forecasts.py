@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 import pandas as pd
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
+from matplotlib.figure import Figure, FigureBase
+from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
 from walklab.figures.forest import forecast_name, forest_legend, forest_of_scores, name_rows
@@ -14,6 +15,7 @@ from walklab.figures.style import (
     BLACK,
     DOUBLE_MM,
     SET_COLOURS,
+    bold_letter,
     colour,
     letter,
     model_label,
@@ -24,24 +26,8 @@ from walklab.figures.style import (
 )
 from walklab.steering.dependencies import DEPENDENCIES
 
-# What a calibration plot can hold: the models in question and the baselines that come nearest.
-SHOWN = (
-    "P_Stat",
-    "P_Prob (literal)",
-    "P_Prob (calibrated)",
-    "P_Prob (extended)",
-    "P_Prob (extended), earlier walks",
-    "regression",
-    "Gaussian process",
-    "log regression, earlier walks",
-)
-DASHES = {"regression": (0, (4, 1.5)), "Gaussian process": (0, (1, 1.2)), "log regression, earlier walks": (0, (5, 1, 1, 1))}
-
-
-def line_of(model: str) -> dict[str, object]:
-    """Colour and dashes of a model's line."""
-    earlier = (0, (2, 1)) if model.startswith("P_") and "earlier" in model else "-"
-    return {"color": colour(model), "ls": DASHES.get(model, earlier), "lw": 1.4 if model.startswith("P_Prob") else 1.0}
+COLUMNS = 5  # of the small panels, one per forecast
+LEVELS = (50, 80, 90, 95)  # of the intervals whose coverage has an interval in the table of scores
 
 
 @styled
@@ -68,32 +54,71 @@ def fig_forecast_scores(table: pd.DataFrame) -> Figure:
 
 
 @styled
-def fig_calibration(table: pd.DataFrame) -> Figure:
-    """Nominal against observed coverage per scenario; and how the sharpness was chosen: scores, requirement, law.
+def fig_calibration(table: pd.DataFrame, scores: pd.DataFrame) -> Figure:
+    """Nominal against observed coverage of every forecast; and how the sharpness was chosen: scores, requirement, law.
 
     Parameters
     ----------
     table : DataFrame[scenario, model, quantity (coverage, and those of :func:`walklab.evaluation.sharpness_law.law_table`), at,
         value]
+    scores : DataFrame[scenario, hull, model, coverage_<50, 80, 90, 95>_low and _high (1)]: intervals over participants
     """
+    ends = [f"coverage_{level}_{end}" for level in LEVELS for end in ("low", "high")]
     require(table, ["scenario", "model", "quantity", "at"], "fig_calibration", ["value"])
-    coverage = table[table["quantity"] == "coverage"]
-    scenarios = list(dict.fromkeys(coverage["scenario"]))
-    figure = new_figure(DOUBLE_MM, 122)
-    above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(1.25, 1))[:, 0]
-    panels = above.subplots(1, len(scenarios), squeeze=False)[0]
-    for index, scenario in enumerate(scenarios):
-        ax = panels[index]
+    require(scores, ["scenario", "hull", "model", *ends], "fig_calibration")
+    coverage, everyone = table[table["quantity"] == "coverage"], scores[scores["hull"] == "all"]
+    models, scenarios = _present(coverage)
+    rows = _rows(models)
+    figure = new_figure(DOUBLE_MM, 58 + 34 * rows)
+    above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=(34 * rows, 54))[:, 0]
+    for ax, model in zip(_small_panels(above, models, scenarios, "95 %, participants resampled"), models, strict=True):
         ax.plot([0, 1], [0, 1], color=BLACK, lw=0.6)
-        for model in SHOWN:
-            rows = coverage[(coverage["scenario"] == scenario) & (coverage["model"] == model)]
-            if len(rows):
-                ax.plot(rows["at"], rows["value"], label=model_label(model), **line_of(model))
-        ax.set(xlim=(0, 1), ylim=(0, 1), xlabel="nominal coverage (1)", ylabel="observed coverage (1)", aspect="equal")
-        letter(ax, index, set_label(scenario))
-    above.legend(handles=panels[0].get_lines()[1:], loc="outside right center")
-    _chosen_sharpness(below.subplots(1, 3), table, len(scenarios))
+        for number, scenario in enumerate(scenarios):
+            curve, bars = (part[(part["scenario"] == scenario) & (part["model"] == model)] for part in (coverage, everyone))
+            hue = _scenario_colour(number)
+            ax.plot(curve["at"], curve["value"], color=hue, lw=1.2, label=set_label(scenario))
+            for level in LEVELS if len(bars) else ():
+                # Side by side, so that the bars of the scenarios can be told apart.
+                place = level / 100 + 0.012 * (number - (len(scenarios) - 1) / 2)
+                ax.plot([place] * 2, bars[[f"coverage_{level}_low", f"coverage_{level}_high"]].iloc[0], color=hue, lw=0.8)
+        ax.set(xlim=(0, 1.02), ylim=(0, 1.02), xticks=[0, 0.5, 1], yticks=[0, 0.5, 1], aspect="equal")
+    above.supxlabel("nominal coverage (1)", fontsize=7)
+    above.supylabel("observed coverage (1)", fontsize=7)
+    above.suptitle(f"{bold_letter(0)}  every forecast", x=0.005, ha="left", fontsize=7.5)
+    _chosen_sharpness(below.subplots(1, 3), table, 1)
     return figure
+
+
+def _present(rows: pd.DataFrame) -> tuple[list[str], list[str]]:
+    """Forecasts and scenarios in the table's order."""
+    return list(dict.fromkeys(rows["model"])), list(dict.fromkeys(rows["scenario"]))
+
+
+def _rows(models: list[str]) -> int:
+    """Rows of small panels; one place more than there are forecasts, for the legend."""
+    return -(-(len(models) + 1) // COLUMNS)
+
+
+def _scenario_colour(number: int) -> str:
+    return SET_COLOURS[number % len(SET_COLOURS)]
+
+
+def _small_panels(figure: FigureBase, models: list[str], scenarios: list[str], bars: str = "") -> list[Axes]:
+    """A panel per forecast, all with the same axes, titled by its name; the colours' legend in the place after the last."""
+    grid = figure.subplots(_rows(models), COLUMNS, sharex=True, sharey=True, squeeze=False).ravel()
+    for number, ax in enumerate(grid):
+        if number < len(models):
+            title = model_label(forecast_name(models[number])).replace(" with", "\nwith").replace(", earlier", ",\nearlier")
+            ax.set_title(title, loc="center", fontsize=6.5, linespacing=1.0)
+            ax.xaxis.set_tick_params(labelbottom=number + COLUMNS >= len(models))
+        else:
+            ax.set_axis_off()
+    keys = [Line2D([], [], color=_scenario_colour(n), lw=1.6, label=set_label(name)) for n, name in enumerate(scenarios)]
+    if bars:
+        keys.append(Line2D([], [], color=BLACK, lw=0.8, marker="|", ms=6, mew=0.8, ls="none", label=bars))
+    legend = grid[len(models)].legend(handles=keys, loc="center left")
+    legend.set_in_layout(False)  # it may reach over the empty places beside it
+    return list(grid[: len(models)])
 
 
 def _chosen_sharpness(panels: Sequence[Axes], table: pd.DataFrame, first: int) -> None:
@@ -103,7 +128,7 @@ def _chosen_sharpness(panels: Sequence[Axes], table: pd.DataFrame, first: int) -
     law, wine = parts[name], colour("P_Prob (calibrated)")
     span = [law["value"].min(), law["value"].max()]
     for number, (scenario, rows) in enumerate(parts["crps_by_exponent"].groupby("scenario", sort=False)):
-        shade = BLACK if scenario == "training" else SET_COLOURS[(number - 1) % len(SET_COLOURS)]
+        shade = BLACK if scenario == "training" else _scenario_colour(number - 1)
         panels[0].plot(rows["at"], rows["value"], "o-", color=shade, ms=2.5, label=set_label(str(scenario)))
     held = parts["coverage_by_exponent"]
     panels[1].plot(held["at"], held["value"], "o-", color=BLACK, ms=2.5, label="training")
@@ -136,22 +161,17 @@ def fig_pit(table: pd.DataFrame) -> Figure:
     """
     require(table, ["scenario", "model", "quantity", "at"], "fig_pit", ["value"])
     pit = table[table["quantity"] == "pit"]
-    scenarios = list(dict.fromkeys(pit["scenario"]))
-    models = [model for model in SHOWN if model in set(pit["model"])]
-    figure = new_figure(DOUBLE_MM, 22 + 26 * len(scenarios))
-    panels = figure.subplots(len(scenarios), len(models), sharex=True, sharey=True, squeeze=False)
-    for row, scenario in enumerate(scenarios):
-        for column, model in enumerate(models):
-            ax = panels[row, column]
+    models, scenarios = _present(pit)
+    figure = new_figure(DOUBLE_MM, 10 + 28 * _rows(models))
+    for ax, model in zip(_small_panels(figure, models, scenarios), models, strict=True):
+        ax.axhline(1, color=BLACK, lw=0.7, ls=(0, (3, 2)))
+        for number, scenario in enumerate(scenarios):
             shares = pit[(pit["scenario"] == scenario) & (pit["model"] == model)]
             count = len(shares)
-            ax.bar(shares["at"], shares["value"] * count, width=0.95 / count, color=colour(model), lw=0)
-            ax.axhline(1, color=BLACK, lw=0.7, ls=(0, (3, 2)))
-            ax.set(xlim=(0, 1), xticks=[0, 1])
-            if row == 0:
-                title = model_label(forecast_name(model)).replace(" with", "\nwith")
-                ax.set_title(title.replace(" (", "\n(").replace(", earlier", ",\nearlier"), loc="center", fontsize=6)
-            if column == 0:
-                ax.set_ylabel(f"{set_label(scenario)}\ndensity (1)")
+            edges = [i / count for i in range(count + 1)]
+            ax.stairs(shares["value"] * count, edges, baseline=None, color=_scenario_colour(number), lw=1.2)
+        ax.set(xlim=(0, 1), xticks=[0, 0.5, 1])
+    figure.axes[0].set_ylim(bottom=0)
     figure.supxlabel("probability integral transform of the captured travel time (1)", fontsize=7)
+    figure.supylabel("density (1)", fontsize=7)
     return figure

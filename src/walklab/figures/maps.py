@@ -96,6 +96,7 @@ def fig08(
         mesh = draw_slice(flat, grid, space, (0, 1), norm, at)
         flat.set_title(held_text(space, (0, 1), at) if solid else title, fontsize=6.5, pad=2)
         flat.set(ylabel=flat.get_ylabel() if column == 0 else "")
+        flat.tick_params(labelleft=column == 0)
     bar = figure.add_axes(in_mm(figure, 60, 9.5, 60, 2))
     figure.colorbar(mesh, cax=bar, orientation="horizontal", label=SUITABLE)
     top = figure.get_size_inches()[1] * 25.4 - 5

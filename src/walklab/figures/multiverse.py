@@ -29,10 +29,10 @@ from walklab.multiverse.choices import READINGS
 # Claim (with {} for the scenario) -> title of its column.
 EFFECTS = {
     "median_reduction_{}_p_stat_to_p_adapt": f"median |dt|\n{model_label('P_Stat')} to\n{model_label('P_Adapt')}",
-    "median_reduction_{}_p_adapt_to_p_prob": f"median |dt|\n{model_label('P_Adapt')} to\n{model_label('P_Prob')} (literal)",
-    "median_reduction_{}_p_stat_to_p_prob": f"median |dt|\n{model_label('P_Stat')} to\n{model_label('P_Prob')} (literal)",
+    "median_reduction_{}_p_adapt_to_p_prob": f"median |dt|\n{model_label('P_Adapt')} to\n{model_label('P_Prob')}",
+    "median_reduction_{}_p_stat_to_p_prob": f"median |dt|\n{model_label('P_Stat')} to\n{model_label('P_Prob')}",
     "crps_reduction_{}_p_stat_to_p_prob_calibrated": (
-        f"CRPS\n{model_label('P_Stat')} + residuals to\n{model_label('P_Prob')} (calibrated)"
+        f"CRPS\n{model_label('P_Stat')} + residuals to\n{model_label('P_Prob (calibrated)')}"
     ),
 }
 PLACE = "place_"
@@ -71,11 +71,11 @@ def fig_specification_curve(claims: pd.DataFrame, specifications: pd.DataFrame, 
         _curve(top, [effect.loc[order] for effect in effects], scenarios, default)
         _dots(dots, table.loc[order], labels)
         letter(top, column, title)
+        top.set_ylabel("relative reduction (1)")
         if column == 0:
             dots.set_yticks(range(len(labels)), [text for _, _, text in labels], fontsize=6)
         else:
             dots.set_yticks([])
-    panels[0, 0].set_ylabel("relative reduction (1)")
     figure.supxlabel(
         f"{len(table)} specifications, sorted by the effect in {set_label(scenarios[0])}"
         + (f"; {lost} more could not be run" if lost else ""),

@@ -163,9 +163,14 @@ def colour(model: str) -> str:
     return OTHER_MODEL
 
 
+def read_name(model: str) -> str:
+    """A model's name as it is read: the paper's model, beside its calibrated variant, is the literal one."""
+    return "P_Prob (literal)" if model == "P_Prob" else model
+
+
 def model_label(model: str) -> str:
-    """``P_Prob`` as the paper sets it, with an index."""
-    found = re.fullmatch(r"P_([A-Za-z]+)(.*)", model)
+    """A model's name as it is read, and its first word as the paper sets it, with an index."""
+    found = re.fullmatch(r"P_([A-Za-z]+)(.*)", read_name(model))
     return f"$P_{{{found[1]}}}${found[2].replace('_', ' ')}" if found else model.replace("_", " ")
 
 

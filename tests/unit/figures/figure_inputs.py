@@ -85,11 +85,11 @@ def simulated() -> pd.DataFrame:
 def trials() -> pd.DataFrame:
     rng = np.random.default_rng(2)
     frames = [pd.DataFrame({"model": name, "abs_dt_s": rng.gamma(2, 0.3, 40)}) for name in ("P_Stat", "P_Adapt", "P_Prob")]
-    return pd.concat(frames, ignore_index=True)
+    return pd.concat(frames, ignore_index=True).assign(arrival="arrived")
 
 
 def description() -> pd.DataFrame:
-    fixed = {"n": 40, "not_arrived": 0, "mean": 0.6, "iqr": 0.5, "skew": 1.1, "shapiro_w": 0.9, "shapiro_p": 1e-9}
+    fixed = {"n": 40, "mean": 0.6, "iqr": 0.5, "skew": 1.1, "shapiro_w": 0.9, "shapiro_p": 1e-9}
     levels = dict(zip(PERCENTILES, (0.05, 0.25, 0.5, 0.75, 1.4), strict=True))
     return pd.DataFrame([{"model": name, **fixed, **levels} for name in ("P_Stat", "P_Adapt", "P_Prob")])
 
@@ -169,14 +169,15 @@ def forecast_scores() -> pd.DataFrame:
         )
     ]
     names = ["crps_s", "crps_s_low", "crps_s_high", "coverage_90", "coverage_90_low", "coverage_90_high"]
-    return pd.DataFrame(rows, columns=["scenario", "hull", "model", "information", *names]).assign(bias_s=-0.1)
+    held = {f"coverage_{level}_{end}": value for level in (50, 80, 95) for end, value in (("low", 0.4), ("high", 0.9))}
+    return pd.DataFrame(rows, columns=["scenario", "hull", "model", "information", *names]).assign(bias_s=-0.1, **held)
 
 
 def calibration() -> pd.DataFrame:
     models = ("P_Prob (literal)", "P_Prob (calibrated)", "regression")
-    rows = [("s", m, "coverage", at, at * 0.9) for m in models for at in (0.2, 0.5, 0.9)]
-    rows += [("s", m, "pit", at, 0.25) for m in models for at in (0.125, 0.375, 0.625, 0.875)]
-    rows += [(s, "P_Prob", "crps_by_exponent", at, 1 / at) for s in ("training", "s") for at in (1.0, 10.0, 80.0)]
+    rows = [("scenario_1", m, "coverage", at, at * 0.9) for m in models for at in (0.2, 0.5, 0.9)]
+    rows += [("scenario_1", m, "pit", at, 0.25) for m in models for at in (0.125, 0.375, 0.625, 0.875)]
+    rows += [(s, "P_Prob", "crps_by_exponent", at, 1 / at) for s in ("training", "scenario_1") for at in (1.0, 10.0, 80.0)]
     rows += [("training", "P_Prob", "coverage_by_exponent", at, 1 - at / 160) for at in (1.0, 10.0, 80.0)]
     rows += [("training", "P_Prob", f"{name}_of_law", 10.0, value) for name, value in (("crps", 0.2), ("coverage", 0.94))]
     rows += [("training", "P_Prob", "required_coverage", 0.9, 0.93)]
@@ -293,7 +294,7 @@ FIGURES: dict[str, Draw] = {
     "claims": lambda: claims.fig_claims(claim_rows()),
     "scores": lambda: real.fig_scores(scores(), summary()),
     "forecast_scores": lambda: forecasts.fig_forecast_scores(forecast_scores()),
-    "calibration": lambda: forecasts.fig_calibration(calibration()),
+    "calibration": lambda: forecasts.fig_calibration(calibration(), forecast_scores()),
     "pit": lambda: forecasts.fig_pit(calibration()),
     "realism": lambda: realism.fig_realism(realism_values()),
     "realism_alone": lambda: realism.fig_realism(realism_values().query("group == 'synthetic'")),

@@ -24,9 +24,18 @@ from walklab.figures.style import DOUBLE_MM, MODEL_COLOURS, SINGLE_MM, colour, s
 every_figure = pytest.mark.parametrize("draw", FIGURES.values(), ids=FIGURES)
 
 
-def labels_of(ax: Axes) -> list[str]:
-    texts = [ax.get_xlabel(), ax.get_ylabel()]
-    return [text for text in [*texts, ax.get_zlabel() if hasattr(ax, "get_zlabel") else ""] if text]
+def label_of(ax: Axes, name: str) -> str:
+    """The label of an axis: its own, that of axes which share it, or that of the whole (sub)figure."""
+    sharing = getattr(ax, f"get_shared_{name}_axes")().get_siblings(ax) if name != "z" else [ax]
+    own = [getattr(other, f"get_{name}label")() for other in sharing]
+    return next((text for text in own if text), getattr(ax.get_figure(), f"get_sup{name}label", str)())
+
+
+def numbered(ax: Axes, name: str) -> bool:
+    """Whether numbers are drawn at the axis; names need no label."""
+    ticks = getattr(ax, f"{name}axis").get_major_ticks()
+    texts = [tick.label1.get_text() for tick in ticks if tick.label1.get_visible()]
+    return any(re.fullmatch(r"[-\u2212]?[\d.]+", text) for text in texts)
 
 
 def labelled(ax: Axes, label: str) -> np.ndarray:
@@ -39,9 +48,14 @@ def labelled(ax: Axes, label: str) -> np.ndarray:
 def test_axes_have_labels_with_units(draw: Callable[[], Figure]) -> None:
     figure = draw()
     assert isinstance(figure, Figure)
-    labels = [text for ax in figure.axes if ax.axison for text in labels_of(ax)]
-    assert labels
-    assert [text for text in labels if not re.search(r"\([^()]+\)", text)] == []
+    with style():
+        figure.draw_without_rendering()
+    axes = [(ax, name) for ax in figure.axes if ax.axison for name in "xyz" if hasattr(ax, f"{name}axis")]
+    own = [text for ax, name in axes if (text := getattr(ax, f"get_{name}label")())]
+    of_numbers = {(ax.get_title(loc="left"), name): label_of(ax, name) for ax, name in axes if numbered(ax, name)}
+    assert of_numbers
+    assert [place for place, text in of_numbers.items() if not text] == []
+    assert [text for text in [*own, *of_numbers.values()] if not re.search(r"\([^()]+\)", text)] == []
 
 
 @every_figure
@@ -81,15 +95,15 @@ def test_every_model_has_its_colour_in_every_figure() -> None:
         used[name] |= {to_hex(patch.get_facecolor()).upper() for patch in ax.patches}
     ticks = [text.get_text() for text in fig15.axes[0].get_xticklabels()]
     boxes = {round(np.mean(p.get_path().vertices[:4, 0])): to_hex(p.get_facecolor()).upper() for p in fig15.axes[0].patches}
-    used["P_Prob"].add(boxes[ticks.index("$P_{Prob}$")])
+    used["P_Prob"].add(boxes[ticks.index("$P_{Prob}$\n(literal)")])
     lines = [line for line in fig10.axes[0].get_lines() if line.get_marker() == "None"]
     for line, name in zip(lines, papers, strict=True):
         used[name].add(to_hex(line.get_color()).upper())
     means = [line for line in scores.axes[0].get_lines() if line.get_marker() == "D"]
     for line, name in zip(means, ("P_Stat", "P_Prob"), strict=False):
         used[name].add(to_hex(line.get_markerfacecolor()).upper())
-    pit = FIGURES["pit"]()
-    used["P_Prob (calibrated)"] |= {to_hex(patch.get_facecolor()).upper() for patch in pit.axes[1].patches}
+    rows = [line for line in FIGURES["forecast_scores"]().axes[0].get_lines() if line.get_marker() == "None"]
+    used["P_Prob (calibrated)"] |= {to_hex(row.get_color()).upper() for row in rows if 0.5 < row.get_ydata()[0] < 1.5}
     used["P_Prob (extended)"].add(str(colour("P_Prob (extended), earlier walks")).upper())  # a variant has its model's
     assert used == {name: {hue} for name, hue in MODEL_COLOURS.items()}
 
@@ -182,7 +196,7 @@ BLANK: dict[str, Callable[[Callable[[pd.DataFrame], pd.DataFrame]], Figure]] = {
     "fig15": lambda empty: evaluation.fig15(empty(inputs.long_times()), inputs.long_published()),
     "scores": lambda empty: real.fig_scores(empty(inputs.scores()), inputs.summary()),
     "forecast_scores": lambda empty: forecasts.fig_forecast_scores(empty(inputs.forecast_scores())),
-    "calibration": lambda empty: forecasts.fig_calibration(empty(inputs.calibration())),
+    "calibration": lambda empty: forecasts.fig_calibration(empty(inputs.calibration()), inputs.forecast_scores()),
     "pit": lambda empty: forecasts.fig_pit(empty(inputs.calibration())),
     "replicated_claims": lambda empty: replicates.fig_counted_claims(empty(inputs.counted_claims())),
     "replicated_scores": lambda empty: replicates.fig_pooled_scores(empty(inputs.pooled_scores())),
@@ -225,6 +239,20 @@ def test_walks_beyond_the_axis_are_counted() -> None:
     beyond = int((late.loc[late["model"] == "P_Stat", "abs_dt_s"] > figure.axes[0].get_xlim()[1]).sum())
     assert beyond >= 1
     assert any(f"{beyond} beyond the axis" in note for note in notes)
+
+
+def test_walks_that_missed_the_end_are_told_from_those_that_timed_out() -> None:
+    trials = inputs.trials()
+    trials.loc[trials["model"] == "P_Prob", "arrival"] = ["passed"] * 7 + ["arrived"] * 33
+    heads = [text.get_text() for text in evaluation.fig11(trials, inputs.description(), inputs.pairs(), {}).axes[4].texts]
+    assert "missed the end" in heads
+    assert "timed out" not in heads
+    trials.loc[0, "arrival"] = "timeout"
+    texts = [text.get_text() for text in evaluation.fig11(trials, inputs.description(), inputs.pairs(), {}).axes[4].texts]
+    columns = texts.index("p") + 1
+    rows = {texts[at]: texts[at + 2 : at + 4] for at in range(columns, len(texts), columns)}
+    assert texts[2:4] == ["missed the end", "timed out"]
+    assert rows == {"$P_{Stat}$": ["0", "1"], "$P_{Adapt}$": ["0", "0"], "$P_{Prob}$ (literal)": ["7", "0"]}
 
 
 def test_a_wide_spread_turns_the_time_axis_logarithmic_without_hiding_anything() -> None:
