@@ -89,8 +89,11 @@ rule ablate_parameters:
             rules.plan_training.output.routes, shard=SHARDS, allow_missing=True
         ),
         maps=expand(rules.score_maps.output.maps, shard=SHARDS, allow_missing=True),
+        calibration=stage("calibrate_model", "calibration.json"),
     output:
         ablations=stage("ablate_parameters", "ablations.csv"),
+        # The same with P_Prob (calibrated), which is not in the paper.
+        calibrated=stage("ablate_parameters", "ablations_calibrated.csv"),
         trials=stage("ablate_parameters", "trials.parquet"),
     log:
         stage("ablate_parameters", "log.txt"),
@@ -132,8 +135,10 @@ rule leave_out:
 rule sweep_neighbours:
     input:
         **FIRST_SCENARIO,
+        calibration=stage("calibrate_model", "calibration.json"),
     output:
         errors=stage("sweep_neighbours", "errors.csv"),
+        calibrated=stage("sweep_neighbours", "errors_calibrated.csv"),
         trials=stage("sweep_neighbours", "trials.parquet"),
         # A measured time differs from run to run; it is kept apart from the data files, which do not.
         timings=stage("sweep_neighbours", "timings.csv"),
@@ -156,6 +161,7 @@ rule simulate_long_distance:
         draws=stage("simulate_long_distance", "draws.parquet"),
         table=stage("simulate_long_distance", "table.csv"),
         optimum=stage("simulate_long_distance", "optimum.csv"),
+        sharpness=stage("simulate_long_distance", "sharpness.csv"),
     log:
         stage("simulate_long_distance", "log.txt"),
     benchmark:

@@ -171,6 +171,7 @@ rule draw_fig10:
 rule draw_fig13:
     input:
         ablations=first(rules.ablate_parameters.output.ablations),
+        calibrated=first(rules.ablate_parameters.output.calibrated),
         paper=PAPER,
     output:
         figure("fig13", "Analyses"),
@@ -189,6 +190,7 @@ rule draw_fig14:
     input:
         errors=first(rules.sweep_neighbours.output.errors),
         timings=first(rules.sweep_neighbours.output.timings),
+        calibrated=first(rules.sweep_neighbours.output.calibrated),
         paper=PAPER,
     output:
         figure("fig14", "Analyses"),

@@ -133,10 +133,18 @@ _TABLES = {
         "Pairs of forecasts: tests that know who walked",
     ),
     "ablations": (first(rules.ablate_parameters.output.ablations), "Ablations"),
+    "ablations_calibrated": (
+        first(rules.ablate_parameters.output.calibrated),
+        "Ablations of P_Prob (calibrated), beyond the paper",
+    ),
     "leave_out": (first(rules.leave_out.output.summary), "Leave-one-out checks"),
     "neighbours": (
         first(rules.sweep_neighbours.output.errors),
         "Errors by number of neighbours",
+    ),
+    "neighbours_calibrated": (
+        first(rules.sweep_neighbours.output.calibrated),
+        "Errors of P_Prob (calibrated) by number of neighbours, beyond the paper",
     ),
     "timings": (
         first(rules.sweep_neighbours.output.timings),
@@ -149,6 +157,10 @@ _TABLES = {
     "long_distance_optimum": (
         first(rules.simulate_long_distance.output.optimum),
         "Long distances: P_Stat",
+    ),
+    "long_distance_sharpness": (
+        first(rules.simulate_long_distance.output.sharpness),
+        "Long distances: the exponent of P_Prob (calibrated), learned from the training walks",
     ),
     "saving": (
         first(rules.estimate_saving.output.saving),

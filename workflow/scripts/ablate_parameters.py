@@ -4,7 +4,8 @@ from adapter import job
 from map_inputs import all_maps, indexed_vectors, settings_of
 from trial_inputs import trial_inputs
 from walk_inputs import all_routes, all_walks
-from walklab.evaluation.ablations import ablated_models, ablation_table
+from walklab.evaluation.ablations import ablated_models, ablation_table, calibrated_variants
+from walklab.evaluation.calibration_files import read_calibration
 from walklab.evaluation.trials import simulate_trials
 from walklab.randomness import generator
 from walklab.steering.io import read_model, read_static_fit
@@ -31,9 +32,15 @@ if __name__ == "__main__":
             maps.scores, vectors, maps.participants, inputs.space, settings, score, held, inputs.seed, inputs.replicate
         )
         full = read_model(files.model)
-        trials = simulate_trials(
-            {"full": full, **models}, **inputs.arguments(), inside=full.inside(inputs.vectors), stream="P_Prob"
-        )
-        rng = generator(inputs.seed, inputs.replicate, "ablate_parameters")
+        models = {"full": full, **models}
+
+        def tabled(variants):
+            trials = simulate_trials(variants, **inputs.arguments(), inside=full.inside(inputs.vectors), stream="P_Prob")
+            rng = generator(inputs.seed, inputs.replicate, "ablate_parameters")
+            return trials, ablation_table(trials, rng, held, params.statistics["bootstraps"])
+
+        trials, table = tabled(models)
         write_table(trials, snakemake.output.trials)
-        write_table(ablation_table(trials, rng, held, params.statistics["bootstraps"]), snakemake.output.ablations)
+        write_table(table, snakemake.output.ablations)
+        calibrated = calibrated_variants(models, read_calibration(files.calibration).law)
+        write_table(tabled(calibrated)[1], snakemake.output.calibrated)

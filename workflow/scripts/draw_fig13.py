@@ -9,4 +9,5 @@ from walklab.storage import read_table
 if __name__ == "__main__":
     with job(snakemake):
         _, claims = published(snakemake.input.paper)
-        save(fig13(read_table(snakemake.input.ablations), claims["ablation_median_abs_dt_s"]), *snakemake.output)
+        tables = read_table(snakemake.input.ablations), read_table(snakemake.input.calibrated)
+        save(fig13(tables[0], claims["ablation_median_abs_dt_s"], tables[1]), *snakemake.output)

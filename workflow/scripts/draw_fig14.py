@@ -9,5 +9,5 @@ from walklab.storage import read_table
 if __name__ == "__main__":
     with job(snakemake):
         sweep = published(snakemake.input.paper)[1]["k_sweep"]
-        errors, timings = read_table(snakemake.input.errors), read_table(snakemake.input.timings)
-        save(fig14(errors, timings, sweep["median_abs_dt_s"], sweep["interpolation_ms"]), *snakemake.output)
+        errors, timings, calibrated = (read_table(snakemake.input[name]) for name in ("errors", "timings", "calibrated"))
+        save(fig14(errors, timings, sweep["median_abs_dt_s"], sweep["interpolation_ms"], calibrated), *snakemake.output)

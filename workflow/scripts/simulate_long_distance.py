@@ -31,5 +31,5 @@ if __name__ == "__main__":
             )
             for split in ("repetition", "participant")
         ]
-        for name, parts in zip(("table", "draws", "optimum"), zip(*studies, strict=True), strict=True):
+        for name, parts in zip(("table", "draws", "optimum", "sharpness"), zip(*studies, strict=True), strict=True):
             write_table(pd.concat(parts, ignore_index=True), snakemake.output[name])

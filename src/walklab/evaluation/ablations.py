@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -23,7 +23,9 @@ from walklab.evaluation.bootstrap import (
 from walklab.evaluation.pairs import paired
 from walklab.evaluation.signed_rank import compare_pairs
 from walklab.randomness import generator
-from walklab.steering.models import MotionModel
+from walklab.steering.learned import CalibratedModel
+from walklab.steering.models import MotionModel, ProbabilisticModel
+from walklab.steering.sharpness import SharpnessLaw
 from walklab.steering.space import ParameterSpace
 from walklab.steering.training import TrainingSettings, train
 
@@ -143,6 +145,27 @@ def ablated_models(
         model = train(score(cells), vectors, participants, reduced, settings, rng)
         models[f"without_{name}"] = WithHeldParameter(model, name, float(held[name]), position)
     return models
+
+
+def calibrated_variants(models: Mapping[str, MotionModel], law: SharpnessLaw) -> dict[str, MotionModel]:
+    """The same models, each drawing with the exponents of a law that was learned for the full one.
+
+    Parameters
+    ----------
+    models : :class:`ProbabilisticModel`, as they are or within :func:`ablated_models`; a law whose dependency is taken away
+        keeps the exponent of its centre
+    """
+    return {name: _calibrated(model, law) for name, model in models.items()}
+
+
+def _calibrated(model: MotionModel, law: SharpnessLaw) -> MotionModel:
+    if isinstance(model, WithoutDependency):
+        return replace(model, model=_calibrated(model.model, law.over(model.columns)))
+    if isinstance(model, WithHeldParameter):
+        return replace(model, model=_calibrated(model.model, law))
+    if not isinstance(model, ProbabilisticModel):
+        raise InputError(f"ablation: {type(model).__name__} has no sharpness to calibrate")
+    return CalibratedModel(model, law)
 
 
 def ablation_table(

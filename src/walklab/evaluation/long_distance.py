@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Literal
 
 import numpy as np
@@ -10,13 +11,19 @@ import pandas as pd
 
 from walklab.errors import InputError
 from walklab.evaluation.bootstrap import RESAMPLES, Array, cluster_codes, cluster_counts, interval, resampled_quantiles
+from walklab.evaluation.calibration import blend_others
+from walklab.evaluation.grid_scores import grid_crps
 from walklab.geometry.scene import State, Task
 from walklab.geometry.standing import Standing
 from walklab.planning.durations import trajectory_travel_time_s
 from walklab.planning.protocol import Planner
 from walklab.randomness import generator
+from walklab.steering.models import ProbabilisticModel
+from walklab.steering.sharpness import LADDER, Sharpness, cell_volumes
 from walklab.steering.space import ParameterSpace
 from walklab.steering.training import TrainingSettings, train
+
+CALIBRATED = "P_Prob (calibrated)"
 
 Split = Literal["repetition", "participant"]
 
@@ -60,7 +67,7 @@ def study_long_distances(
     time_limit_s: float = 600.0,
     maxfun: int = 1000,
     resamples: int = RESAMPLES,
-) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame]:
+) -> tuple[pd.DataFrame, pd.DataFrame, pd.DataFrame, pd.DataFrame]:
     """Train on one half of the walks, predict the travel times of the other.
 
     The map of a walk is ``|T_simulated(v, a) - T_captured|`` over the space; the dependencies are
@@ -81,9 +88,11 @@ def study_long_distances(
 
     Returns
     -------
-    table : DataFrame[split, distance_m, source (Ref, P_Prob, P_Stat), statistic (median, iqr), walks, value, low, high]
+    table : DataFrame[split, distance_m, source (Ref, P_Prob, P_Stat, P_Prob (calibrated)), statistic (median, iqr),
+        walks, value, low, high]
     draws : DataFrame[split, walk, participant, height_m, distance_m, source, travel_time_s, <parameters; NaN for Ref>]
     optimum : DataFrame[split, parameter, unit, value, on_edge] of P_Stat
+    sharpness : DataFrame[split, exponent, crps_s, chosen] of the training walks, see :func:`exponent_table`
 
     Raises
     ------
@@ -105,10 +114,17 @@ def study_long_distances(
     model = train(scores, _vectors(training), training["participant"].tolist(), space, settings, rng)
     rng = generator(seed, replicate, "long_distance", split, "P_Stat")
     best = _static_optimum(training, planner, space, standing, time_limit_s, maxfun, rng)
-    generators = [generator(seed, replicate, "long_distance", split, "P_Prob", str(name)) for name in test["walk"]]
+    sharpness = exponent_table(model, training, np.stack([times[float(d)] for d in training["distance_m"]]))
+    chosen = float(sharpness.loc[sharpness["chosen"], "exponent"].iloc[0])
+
+    def drawn(exponent: float) -> Array:
+        generators = [generator(seed, replicate, "long_distance", split, "P_Prob", str(name)) for name in test["walk"]]
+        return replace(model, exponent=exponent).parameters(_vectors(test).to_numpy(), generators)
+
     parameters = {
-        "P_Prob": model.parameters(_vectors(test).to_numpy(), generators),
+        "P_Prob": drawn(model.exponent),
         "P_Stat": np.tile(best, (len(test), 1)),
+        CALIBRATED: drawn(chosen),
     }
     draws = _draws(test, parameters, planner, space.names, split, standing, time_limit_s)
     rng = generator(seed, replicate, "long_distance", split, "P_Stat", "bootstrap")
@@ -116,7 +132,34 @@ def study_long_distances(
     table = _table(draws, refitted, generator(seed, replicate, "long_distance", split, "bootstrap"), resamples)
     edges = space.on_edge(best)
     optimum = pd.DataFrame({"split": split, "parameter": list(space.names), "unit": [axis.unit for axis in space.axes]})
-    return table, draws, optimum.assign(value=best, on_edge=edges)
+    return table, draws, optimum.assign(value=best, on_edge=edges), sharpness.assign(split=split)
+
+
+def exponent_table(model: ProbabilisticModel, training: pd.DataFrame, times_s: Array) -> pd.DataFrame:
+    """How well each exponent forecasts the training walks, each by the maps of other participants, and which is chosen.
+
+    The smallest CRPS is chosen, every participant counting once; no test walk is read.
+
+    Parameters
+    ----------
+    model : of the training walks, its captured maps in their order
+    times_s : (N, C) travel time of each training walk with each parameter vector
+
+    Returns
+    -------
+    DataFrame[exponent, crps_s, chosen]
+    """
+    owners, captured_s = training["participant"].tolist(), training["travel_time_s"].to_numpy(dtype=float)
+    blending = model.blending
+    asked, maps = np.arange(len(training)), blending.maps[~blending.is_blend]
+    blends = blend_others(blending, owners, asked, blending.vectors[~blending.is_blend], [maps], model.k, model.weights)[0]
+    volumes = cell_volumes(model.space)
+    rows = []
+    for exponent in LADDER:
+        scores = pd.Series(grid_crps(times_s, Sharpness("exponent", exponent).density(blends, volumes), captured_s))
+        rows.append({"exponent": exponent, "crps_s": float(scores.groupby(np.asarray(owners)).mean().mean())})
+    table = pd.DataFrame(rows)
+    return table.assign(chosen=table.index == table["crps_s"].idxmin())
 
 
 def split_walks(walks: pd.DataFrame, split: Split) -> tuple[pd.DataFrame, pd.DataFrame]:

@@ -178,11 +178,12 @@ def _test_rows(pairs: pd.DataFrame, published: Mapping[str, Mapping[str, float]]
 
 
 @styled
-def fig13(ablations: pd.DataFrame, published: Mapping[str, float]) -> Figure:
+def fig13(ablations: pd.DataFrame, published: Mapping[str, float], calibrated: pd.DataFrame | None = None) -> Figure:
     """Median error of the full model and of each model without one parameter, published medians beside.
 
     Parameters
     ----------
+    calibrated : the same table with P_Prob (calibrated)
     ablations : DataFrame[variant, value, low, high, held_at]; ``value`` is the median |dt| in seconds, variants are
         ``full`` and ``without_<parameter>`` in the order they are drawn; ``held_at`` NaN for dependencies
     published : variant -> published median |dt| in seconds
@@ -190,23 +191,25 @@ def fig13(ablations: pd.DataFrame, published: Mapping[str, float]) -> Figure:
     require(ablations, ["variant", "low", "high", "held_at"], "fig13", ["value"])
     figure = new_figure(SINGLE_MM, 14 + 8.0 * len(ablations))
     ax = figure.add_subplot()
-    full = ablations.loc[ablations["variant"] == "full", "value"]
-    if len(full):
-        ax.axvline(float(full.iloc[0]), color=colour("P_Prob"), lw=0.6, ls=(0, (3, 2)), zorder=0)
-    for place, (value, low, high) in enumerate(ablations[["value", "low", "high"]].to_numpy(dtype=float)):
-        ax.plot([low, high], [place - 0.13] * 2, color=colour("P_Prob"), lw=1.2)
-        ax.plot(value, place - 0.13, "o", color=colour("P_Prob"), ms=4.5, label="ours")
-    stated = [(published[name], place + 0.16) for place, name in enumerate(ablations["variant"]) if name in published]
+    both = {"P_Prob": (ablations, -0.22), "P_Prob (calibrated)": (calibrated, 0.0)}
+    drawn = {model: (table, offset) for model, (table, offset) in both.items() if table is not None}
+    for model, (table, offset) in drawn.items():
+        full = table.loc[table["variant"] == "full", "value"]
+        if len(full):
+            ax.axvline(float(full.iloc[0]), color=colour(model), lw=0.6, ls=(0, (3, 2)), zorder=0)
+        for place, (value, low, high) in enumerate(table[["value", "low", "high"]].to_numpy(dtype=float)):
+            ax.plot([low, high], [place + offset] * 2, color=colour(model), lw=1.2)
+            ax.plot(value, place + offset, "o", color=colour(model), ms=4.5)
+    stated = [(published[name], place + 0.22) for place, name in enumerate(ablations["variant"]) if name in published]
     if stated:
         ax.plot(*np.array(stated).T, label="published", **PUBLISHED_MARK)
     ax.set_yticks(range(len(ablations)), map(_variant_label, ablations["variant"], ablations["held_at"]))
     ax.set(ylim=(len(ablations) - 0.5, -0.6), xlabel=f"median {ERROR}")
     ax.tick_params(axis="y", length=0)
     ax.grid(axis="x")
-    ours = Line2D([], [], color=colour("P_Prob"), marker="o", ms=4.5, lw=1.2, label="ours, 95 % interval")
-    figure.legend(
-        handles=[ours, Line2D([], [], label="published", **PUBLISHED_MARK)], loc="outside upper right", ncols=2, handletextpad=0.5
-    )
+    handles = [Line2D([], [], color=colour(model), marker="o", ms=4.5, lw=1.2, label=model_label(model)) for model in drawn]
+    handles.append(Line2D([], [], label="published", **PUBLISHED_MARK))
+    figure.legend(handles=handles, loc="outside upper right", ncols=3, handletextpad=0.5, columnspacing=1.0)
     return figure
 
 
@@ -219,7 +222,11 @@ def _variant_label(variant: str, held_at: float) -> str:
 
 @styled
 def fig14(
-    errors: pd.DataFrame, timings: pd.DataFrame, published_error: Mapping[int, float], published_ms: Mapping[int, float]
+    errors: pd.DataFrame,
+    timings: pd.DataFrame,
+    published_error: Mapping[int, float],
+    published_ms: Mapping[int, float],
+    calibrated: pd.DataFrame | None = None,
 ) -> Figure:
     """Error and interpolation time over the number of neighbours k, published figures beside.
 
@@ -228,6 +235,7 @@ def fig14(
     errors : DataFrame[k, statistic, value], statistics p05, p25, median, p75, p95 of |dt| in seconds
     timings : DataFrame[k, interpolation_ms], one row per k
     published_error, published_ms : k -> median |dt| in seconds, k -> time in milliseconds
+    calibrated : the errors of P_Prob (calibrated)
     """
     require(errors, ["statistic"], "fig14", ["k", "value"])
     require(timings, [], "fig14", ["k", "interpolation_ms"])
@@ -235,9 +243,13 @@ def fig14(
     place = {k: i for i, k in enumerate(counts)}
     figure = new_figure(SINGLE_MM, 96)
     top, bottom = figure.subplots(2, 1, sharex=True, height_ratios=[1.25, 1])
-    for k in sorted(set(errors["k"])):
-        rows = errors[errors["k"] == k]
-        draw_box(top, place[int(k)], dict(zip(rows["statistic"], rows["value"], strict=True)), 0.45, MODEL, vertical=True)
+    both = [("P_Prob", errors, -0.15), ("P_Prob (calibrated)", calibrated, 0.15)]
+    drawn = [(model, table, offset) for model, table, offset in both if table is not None]
+    for model, table, offset in drawn:
+        for k in sorted(set(table["k"])):
+            rows = table[table["k"] == k]
+            box = dict(zip(rows["statistic"], rows["value"], strict=True))
+            draw_box(top, place[int(k)] + offset, box, 0.26, colour(model), vertical=True)
     bottom.plot([place[int(k)] for k in timings["k"]], timings["interpolation_ms"], "o", color=MODEL, ms=4.5, label="ours")
     for ax, published in ((top, published_error), (bottom, published_ms)):
         stated = [(place[k] + 0.36, value) for k, value in published.items() if k in place]
@@ -248,15 +260,12 @@ def fig14(
     top.set(ylabel=ERROR, ylim=(0, None), xlim=(-0.5, len(counts) - 0.35))
     bottom.set(xlabel=f"number of neighbours {symbol('k')} (1)", ylabel="interpolation time (ms)")
     bottom.set_xticks(range(len(counts)), [str(k) for k in counts])
-    figure.legend(handles=_keys(), loc="outside upper right", ncols=2, handletextpad=0.3)
+    handles = [Line2D([], [], marker="s", color=colour(model), ls="none", ms=5, label=model_label(model)) for model, *_ in drawn]
+    handles.append(Line2D([], [], label="published", **PUBLISHED_MARK))
+    figure.legend(handles=handles, loc="outside upper right", ncols=3, handletextpad=0.3, columnspacing=1.0)
     letter(top, 0)
     letter(bottom, 1)
     return figure
-
-
-def _keys() -> list[Line2D]:
-    ours = Line2D([], [], marker="s", color=MODEL, ls="none", ms=5, label=f"ours, {model_label('P_Prob')}")
-    return [ours, Line2D([], [], label="published", **PUBLISHED_MARK)]
 
 
 @styled
@@ -265,7 +274,7 @@ def fig15(times: pd.DataFrame, published: pd.DataFrame) -> Figure:
 
     Parameters
     ----------
-    times : DataFrame[distance_m, model, travel_time_s] of one split; models Ref, P_Prob, P_Stat
+    times : DataFrame[distance_m, model, travel_time_s] of one split; models Ref, P_Prob, P_Stat, P_Prob (calibrated)
     published : DataFrame[distance_m, model, median_s, iqr_s]; ``iqr_s`` NaN where none was stated. Only its size is
         published, so the bar is drawn centred on the median.
     """

@@ -39,8 +39,20 @@ SECTIONS = (
     Section("model", "Run-time model", ("fig08", "fig09"), ("Model",), ("optimum",), interactive="maps"),
     Section("scenarios", "Both scenarios", ("fig10",), (), ("floor_",), interactive="walks"),
     Section("statistics", "Statistics", ("fig11", "fig12"), (), ("description_", "comparisons_", "mixed_")),
-    Section("analyses", "Analyses", ("fig13", "fig14"), (), ("ablations", "leave_out", "neighbours", "timings")),
-    Section("long_distance", "Long distances", ("fig15",), ("Analyses",), ("long_distance", "long_distance_optimum", "saving")),
+    Section(
+        "analyses",
+        "Analyses",
+        ("fig13", "fig14"),
+        (),
+        ("ablations", "ablations_calibrated", "leave_out", "neighbours", "neighbours_calibrated", "timings"),
+    ),
+    Section(
+        "long_distance",
+        "Long distances",
+        ("fig15",),
+        ("Analyses",),
+        ("long_distance", "long_distance_optimum", "long_distance_sharpness", "saving"),
+    ),
     Section("verdicts", "Verdicts", ("claims",), ("Verdicts",), ("claims", "verdicts")),
     Section(
         "forecasts",

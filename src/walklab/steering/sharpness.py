@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -79,6 +80,12 @@ class SharpnessLaw:
     def exponents(self, vectors: ArrayLike) -> Array:
         """(W,) exponents for (W, D) dependency vectors."""
         return np.array(LADDER)[self.rungs(vectors)]
+
+    def over(self, columns: Sequence[int]) -> SharpnessLaw:
+        """The law for vectors of these columns alone; without its own dependency it keeps the exponent of the centre."""
+        if self.column is None or self.column in columns:
+            return replace(self, column=None if self.column is None else list(columns).index(self.column))
+        return SharpnessLaw(self.level)
 
     def rungs(self, vectors: ArrayLike) -> NDArray[np.int64]:
         """(W,) their places in :data:`LADDER`."""

@@ -9,8 +9,17 @@ import pandas as pd
 import pytest
 
 from walklab.errors import InputError
-from walklab.evaluation.ablations import FULL, WithHeldParameter, WithoutDependency, ablated_models, ablation_table, held_cells
+from walklab.evaluation.ablations import (
+    FULL,
+    WithHeldParameter,
+    WithoutDependency,
+    ablated_models,
+    ablation_table,
+    calibrated_variants,
+    held_cells,
+)
 from walklab.steering.models import AdaptiveModel
+from walklab.steering.sharpness import SharpnessLaw
 from walklab.steering.space import ParameterSpace, space_from_config
 from walklab.steering.training import TrainingSettings, train
 
@@ -63,6 +72,24 @@ def test_a_held_parameter_has_its_value_and_the_rest_is_drawn(training: pd.DataF
     assert (drawn["without_a"][:, 1] == 0.9).all()
     assert np.ptp(drawn["without_v"][:, 1]) > 0.3
     assert np.ptp(drawn["without_a"][:, 0]) > 0.3
+
+
+def test_calibrated_variants_draw_with_the_laws_exponents(training: pd.DataFrame, space: ParameterSpace) -> None:
+    built = models(training, space)
+    asked = np.repeat([[1.0, 1.7], [4.0, 1.7]], 200, axis=0)
+    steep = SharpnessLaw(4.0, 0, 2.0, 2.5, 1.0)  # by the length
+    spread = {}
+    for name, model in calibrated_variants(built, steep).items():
+        drawn = _draw(model, asked)
+        spread[name] = np.array([drawn[:200].std(axis=0), drawn[200:].std(axis=0)])
+    # The long walk's exponent is the larger one, so its draws are narrower; without the length the law is one number.
+    assert spread["without_height"][1, 0] < 0.6 * spread["without_height"][0, 0]
+    assert spread["without_length"][1, 0] == pytest.approx(spread["without_length"][0, 0], rel=0.25)
+    assert (_draw(calibrated_variants(built, steep)["without_v"], asked)[:, 0] == 0.7).all()
+    flat = calibrated_variants(built, SharpnessLaw(1.0))
+    np.testing.assert_array_equal(_draw(flat["without_height"], asked), _draw(built["without_height"], asked))
+    with pytest.raises(InputError, match="no sharpness"):
+        calibrated_variants({"P_Adapt": AdaptiveModel(built["without_a"].model)}, steep)
 
 
 def test_maps_of_a_held_parameter_are_scored_with_it_held(space: ParameterSpace) -> None:

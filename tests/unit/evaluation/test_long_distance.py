@@ -55,15 +55,31 @@ def test_simulated_times_tend_to_the_closed_form(distance_m: float, v: float, a:
 
 
 def test_the_optimum_reproduces_walks_that_all_are_alike() -> None:
-    table, draws, optimum = study_long_distances(captured(), PLANNER, SPACE, Standing(), 5, 0, maxfun=600, resamples=50)
+    table, draws, optimum, _ = study_long_distances(captured(), PLANNER, SPACE, Standing(), 5, 0, maxfun=600, resamples=50)
     medians = table[table["statistic"] == "median"].pivot_table(index="distance_m", columns="source", values="value")
     np.testing.assert_allclose(medians["P_Stat"], medians["Ref"], rtol=0.02)
     ranges = table[table["statistic"] == "iqr"].pivot_table(index="distance_m", columns="source", values="value")
     assert (ranges["P_Stat"] == 0).all()
     assert (ranges["P_Prob"] > 0).all()
     assert optimum["value"].iloc[0] == pytest.approx(1.4, abs=0.1)
-    assert len(draws) == 3 * 36
+    assert len(draws) == 4 * 36
     assert draws.loc[draws["source"] == "Ref", ["v", "a"]].isna().all(axis=None)
+
+
+def test_the_exponent_is_learned_from_the_training_half_and_sharpens() -> None:
+    walks = captured(0.05)
+    table, _, _, sharpness = study_long_distances(walks, PLANNER, SPACE, Standing(), 5, 0, maxfun=20, resamples=20)
+    chosen = sharpness[sharpness["chosen"]]
+    assert len(chosen) == 1
+    assert chosen["crps_s"].iloc[0] == sharpness["crps_s"].min()
+    assert chosen["exponent"].iloc[0] > 1  # people who are alike are forecast best by a sharp density
+    ranges = table[table["statistic"] == "iqr"].pivot_table(index="distance_m", columns="source", values="value")
+    assert (ranges["P_Prob (calibrated)"] < ranges["P_Prob"]).all()
+    _, test = split_walks(walks, "repetition")
+    changed = walks.copy()
+    changed.loc[changed["walk"].isin(test["walk"]), "travel_time_s"] *= 3
+    again = study_long_distances(changed, PLANNER, SPACE, Standing(), 5, 0, maxfun=20, resamples=20)[3]
+    pd.testing.assert_frame_equal(again, sharpness)  # no test walk has been read
 
 
 def test_interpolated_times_are_those_of_simulations() -> None:
