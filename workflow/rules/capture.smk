@@ -15,8 +15,6 @@ rule draw_participants:
         participants=stage("draw_participants", "participants.parquet"),
     log:
         stage("draw_participants", "log.txt"),
-    benchmark:
-        stage("draw_participants", "benchmark.tsv")
     params:
         **section("seed", "participants"),
         code=code("draw_participants.py"),
@@ -31,8 +29,6 @@ rule import_shapes:
         shapes=first(stage("import_shapes", "shapes.parquet")),
     log:
         first(stage("import_shapes", "log.txt")),
-    benchmark:
-        first(stage("import_shapes", "benchmark.tsv"))
     params:
         **section("source"),
         code=code("import_shapes.py"),
@@ -50,8 +46,6 @@ rule record_training:
         truth=stage("record_training", "truth.parquet", "shard"),
     log:
         stage("record_training", "log.txt", "shard"),
-    benchmark:
-        stage("record_training", "benchmark.tsv", "shard")
     params:
         **section("seed", "record_training", "generator", "shards", "standing"),
         code=code("record_training.py"),
@@ -69,8 +63,6 @@ rule record_scenario:
         truth=stage("record_scenario", "truth.parquet", "scenario"),
     log:
         stage("record_scenario", "log.txt", "scenario"),
-    benchmark:
-        stage("record_scenario", "benchmark.tsv", "scenario")
     params:
         **section("seed", "record_scenario", "generator", "standing"),
         code=code("record_scenario.py"),
@@ -85,8 +77,6 @@ rule record_long_distance:
         times=stage("record_long_distance", "times.parquet"),
     log:
         stage("record_long_distance", "log.txt"),
-    benchmark:
-        stage("record_long_distance", "benchmark.tsv")
     params:
         **section("seed", "source", "record_long_distance", "generator"),
         code=code("record_long_distance.py"),
@@ -106,8 +96,6 @@ rule extract_training:
         boundaries=stage("extract_training", "boundaries.parquet", "shard"),
     log:
         stage("extract_training", "log.txt", "shard"),
-    benchmark:
-        stage("extract_training", "benchmark.tsv", "shard")
     params:
         **section("record_training", "extract_walks", "standing", "dependencies"),
         code=code("extract_training.py"),
@@ -127,8 +115,6 @@ rule extract_scenario:
         boundaries=stage("extract_scenario", "boundaries.parquet", "scenario"),
     log:
         stage("extract_scenario", "log.txt", "scenario"),
-    benchmark:
-        stage("extract_scenario", "benchmark.tsv", "scenario")
     params:
         **section("record_scenario", "extract_walks", "standing", "dependencies"),
         code=code("extract_scenario.py"),
@@ -152,8 +138,6 @@ rule import_walks:
         ),
     log:
         stage("import_walks", "log.txt"),
-    benchmark:
-        stage("import_walks", "benchmark.tsv")
     params:
         **section("run", "source", "standing", "dependencies", "extract_walks"),
         code=code("import_walks.py"),
@@ -190,8 +174,6 @@ rule summarise_capture:
         rejections=stage("summarise_capture", "rejections.csv"),
     log:
         stage("summarise_capture", "log.txt"),
-    benchmark:
-        stage("summarise_capture", "benchmark.tsv")
     params:
         code=code("summarise_capture.py"),
     script:
@@ -211,8 +193,6 @@ rule measure_realism:
         values=first(stage("measure_realism", "values.parquet")),
     log:
         first(stage("measure_realism", "log.txt")),
-    benchmark:
-        first(stage("measure_realism", "benchmark.tsv"))
     params:
         code=code("measure_realism.py"),
         data=os.path.expandvars("$WALKLAB_DATA"),

@@ -26,8 +26,6 @@ rule simulate_trials:
         trials=stage("simulate_trials", "trials.parquet", "scenario"),
     log:
         stage("simulate_trials", "log.txt", "scenario"),
-    benchmark:
-        stage("simulate_trials", "benchmark.tsv", "scenario")
     params:
         **TRIALS,
         code=code("simulate_trials.py"),
@@ -44,8 +42,6 @@ rule floor_grid:
         floor=stage("floor_grid", "floor.csv", "scenario"),
     log:
         stage("floor_grid", "log.txt", "scenario"),
-    benchmark:
-        stage("floor_grid", "benchmark.tsv", "scenario")
     params:
         **section("planner", "space", "standing", "metric"),
         code=code("floor_grid.py"),
@@ -67,8 +63,6 @@ rule compare_models:
         mixed=stage("compare_models", "mixed_model.csv", "scenario"),
     log:
         stage("compare_models", "log.txt", "scenario"),
-    benchmark:
-        stage("compare_models", "benchmark.tsv", "scenario")
     params:
         **section("seed", "statistics"),
         code=code("compare_models.py"),
@@ -97,8 +91,6 @@ rule ablate_parameters:
         trials=stage("ablate_parameters", "trials.parquet"),
     log:
         stage("ablate_parameters", "log.txt"),
-    benchmark:
-        stage("ablate_parameters", "benchmark.tsv")
     params:
         **TRIALS,
         **section("blending_space", "model", "ablate_parameters", "statistics"),
@@ -116,8 +108,6 @@ rule leave_out:
         errors=stage("leave_out", "errors.parquet"),
     log:
         stage("leave_out", "log.txt"),
-    benchmark:
-        stage("leave_out", "benchmark.tsv")
     params:
         **section(
             "seed",
@@ -144,8 +134,6 @@ rule sweep_neighbours:
         timings=stage("sweep_neighbours", "timings.csv"),
     log:
         stage("sweep_neighbours", "log.txt"),
-    benchmark:
-        stage("sweep_neighbours", "benchmark.tsv")
     params:
         **TRIALS,
         **section("sweep_neighbours", "statistics"),
@@ -164,8 +152,6 @@ rule simulate_long_distance:
         sharpness=stage("simulate_long_distance", "sharpness.csv"),
     log:
         stage("simulate_long_distance", "log.txt"),
-    benchmark:
-        stage("simulate_long_distance", "benchmark.tsv")
     params:
         **section("seed", "long_distance", "statistics", "standing"),
         code=code("simulate_long_distance.py"),
@@ -182,8 +168,6 @@ rule count_distances:
         classes=stage("count_distances", "classes.csv"),
     log:
         stage("count_distances", "log.txt"),
-    benchmark:
-        stage("count_distances", "benchmark.tsv")
     params:
         **section("scenarios"),
         code=code("count_distances.py"),
@@ -198,8 +182,6 @@ rule estimate_saving:
         saving=stage("estimate_saving", "saving.csv"),
     log:
         stage("estimate_saving", "log.txt"),
-    benchmark:
-        stage("estimate_saving", "benchmark.tsv")
     params:
         **section("seed", "statistics"),
         code=code("estimate_saving.py"),
@@ -225,8 +207,6 @@ rule cross_validate:
         summary=stage("cross_validate", "summary.csv"),
     log:
         stage("cross_validate", "log.txt"),
-    benchmark:
-        stage("cross_validate", "benchmark.tsv")
     params:
         **TRIALS,
         **section(

@@ -20,8 +20,6 @@ rule draw_fig03:
         figure("fig03", "Setting"),
     log:
         first(stage("draw_fig03", "log.txt")),
-    benchmark:
-        first(stage("draw_fig03", "benchmark.tsv"))
     priority: LAST
     params:
         code=code("draw_fig03.py"),
@@ -38,8 +36,6 @@ rule draw_fig04:
         figure("fig04", "Capture"),
     log:
         first(stage("draw_fig04", "log.txt")),
-    benchmark:
-        first(stage("draw_fig04", "benchmark.tsv"))
     priority: LAST
     params:
         code=code("draw_fig04.py"),
@@ -54,8 +50,6 @@ rule draw_realism:
         figure("realism", "Capture"),
     log:
         first(stage("draw_realism", "log.txt")),
-    benchmark:
-        first(stage("draw_realism", "benchmark.tsv"))
     priority: LAST
     params:
         code=code("draw_realism.py"),
@@ -70,8 +64,6 @@ rule draw_fig05:
         figure("fig05", "Model"),
     log:
         first(stage("draw_fig05", "log.txt")),
-    benchmark:
-        first(stage("draw_fig05", "benchmark.tsv"))
     priority: LAST
     params:
         **section("blending_space"),
@@ -87,8 +79,6 @@ rule draw_fig06:
         figure("fig06", "Model"),
     log:
         first(stage("draw_fig06", "log.txt")),
-    benchmark:
-        first(stage("draw_fig06", "benchmark.tsv"))
     priority: LAST
     params:
         code=code("draw_fig06.py"),
@@ -104,8 +94,6 @@ rule draw_dependency_clouds:
         figure("dependency_clouds", "Model"),
     log:
         first(stage("draw_dependency_clouds", "log.txt")),
-    benchmark:
-        first(stage("draw_dependency_clouds", "benchmark.tsv"))
     priority: LAST
     params:
         **section("dependencies"),
@@ -121,8 +109,6 @@ rule draw_fig08:
         figure("fig08", "Model"),
     log:
         first(stage("draw_fig08", "log.txt")),
-    benchmark:
-        first(stage("draw_fig08", "benchmark.tsv"))
     priority: LAST
     params:
         **section("draw_fig08"),
@@ -138,8 +124,6 @@ rule draw_fig09:
         figure("fig09", "Model"),
     log:
         first(stage("draw_fig09", "log.txt")),
-    benchmark:
-        first(stage("draw_fig09", "benchmark.tsv"))
     priority: LAST
     params:
         **TRIALS,
@@ -158,8 +142,6 @@ rule draw_fig10:
         figure("fig10", "Evaluation"),
     log:
         first(stage("draw_fig10", "log.txt")),
-    benchmark:
-        first(stage("draw_fig10", "benchmark.tsv"))
     priority: LAST
     params:
         **section("seed", "scenarios", "planner", "space", "dependencies"),
@@ -177,8 +159,6 @@ rule draw_fig13:
         figure("fig13", "Analyses"),
     log:
         first(stage("draw_fig13", "log.txt")),
-    benchmark:
-        first(stage("draw_fig13", "benchmark.tsv"))
     priority: LAST
     params:
         code=code("draw_fig13.py"),
@@ -196,8 +176,6 @@ rule draw_fig14:
         figure("fig14", "Analyses"),
     log:
         first(stage("draw_fig14", "log.txt")),
-    benchmark:
-        first(stage("draw_fig14", "benchmark.tsv"))
     priority: LAST
     params:
         code=code("draw_fig14.py"),
@@ -213,8 +191,6 @@ rule draw_fig15:
         figure("fig15", "Analyses"),
     log:
         first(stage("draw_fig15", "log.txt")),
-    benchmark:
-        first(stage("draw_fig15", "benchmark.tsv"))
     priority: LAST
     params:
         code=code("draw_fig15.py"),
@@ -229,8 +205,6 @@ rule draw_claims:
         figure("claims", "Verdicts"),
     log:
         first(stage("draw_claims", "log.txt")),
-    benchmark:
-        first(stage("draw_claims", "benchmark.tsv"))
     priority: LAST
     params:
         code=code("draw_claims.py"),
@@ -250,8 +224,6 @@ if SYNTHETIC:
             *figure("pit", "Evaluation"),
         log:
             first(stage("draw_forecasts", "log.txt")),
-        benchmark:
-            first(stage("draw_forecasts", "benchmark.tsv"))
         priority: LAST
         params:
             code=code("draw_forecasts.py"),
@@ -268,8 +240,6 @@ else:
             figure("scores", "Evaluation"),
         log:
             first(stage("draw_scores", "log.txt")),
-        benchmark:
-            first(stage("draw_scores", "benchmark.tsv"))
         priority: LAST
         params:
             code=code("draw_scores.py"),
@@ -293,8 +263,6 @@ rule draw_fig11:
         figure("fig11", "Evaluation"),
     log:
         first(stage("draw_fig11", "log.txt")),
-    benchmark:
-        first(stage("draw_fig11", "benchmark.tsv"))
     priority: LAST
     params:
         code=code("draw_errors.py"),
@@ -321,8 +289,6 @@ rule draw_fig12:
         figure("fig12", "Evaluation"),
     log:
         first(stage("draw_fig12", "log.txt")),
-    benchmark:
-        first(stage("draw_fig12", "benchmark.tsv"))
     priority: LAST
     params:
         code=code("draw_errors.py"),

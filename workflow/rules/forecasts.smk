@@ -26,8 +26,6 @@ rule calibrate_model:
         residuals=stage("calibrate_model", "residuals.parquet"),
     log:
         stage("calibrate_model", "log.txt"),
-    benchmark:
-        stage("calibrate_model", "benchmark.tsv")
     params:
         **TRIALS,
         **section("blending_space", "model", "calibrate_model"),
@@ -56,8 +54,6 @@ rule score_forecasts:
         calibration=stage("score_forecasts", "calibration.csv"),
     log:
         stage("score_forecasts", "log.txt"),
-    benchmark:
-        stage("score_forecasts", "benchmark.tsv")
     params:
         **TRIALS,
         **section("blending_space", "scenarios", "statistics"),
@@ -73,8 +69,6 @@ rule compare_forecasts:
         tests=stage("compare_forecasts", "tests.csv"),
     log:
         stage("compare_forecasts", "log.txt"),
-    benchmark:
-        stage("compare_forecasts", "benchmark.tsv")
     params:
         **section("seed", "statistics"),
         code=code("compare_forecasts.py"),

@@ -115,8 +115,6 @@ rule list_specifications:
         specifications=f"{MULTIVERSE}/list_specifications/specifications.parquet",
     log:
         f"{MULTIVERSE}/list_specifications/log.txt",
-    benchmark:
-        f"{MULTIVERSE}/list_specifications/benchmark.tsv"
     params:
         **section("seed", "multiverse"),
         baseline=BASELINE,
@@ -139,8 +137,6 @@ rule record_population:
         ),
     log:
         f"{MULTIVERSE}/record_population/log.txt",
-    benchmark:
-        f"{MULTIVERSE}/record_population/benchmark.tsv"
     params:
         **CAPTURE,
         code=code("record_population.py"),
@@ -161,8 +157,6 @@ rule evaluate_specification:
         outcome=f"{MULTIVERSE}/evaluate_specification/{{specification}}/outcome.json",
     log:
         f"{MULTIVERSE}/evaluate_specification/{{specification}}/log.txt",
-    benchmark:
-        f"{MULTIVERSE}/evaluate_specification/{{specification}}/benchmark.tsv"
     params:
         **CAPTURE,
         **section(
@@ -200,8 +194,6 @@ rule collect_specifications:
         ),
     log:
         f"{MULTIVERSE}/collect_specifications/log.txt",
-    benchmark:
-        f"{MULTIVERSE}/collect_specifications/benchmark.tsv"
     params:
         code=code("collect_specifications.py"),
     script:
@@ -221,8 +213,6 @@ rule draw_specification_curve:
         f"{MULTIVERSE}/figures/specification_curve.png",
     log:
         f"{MULTIVERSE}/draw_specification_curve/log.txt",
-    benchmark:
-        f"{MULTIVERSE}/draw_specification_curve/benchmark.tsv"
     params:
         scenarios=SCENARIOS,
         code=code("draw_specification_curve.py"),

@@ -98,8 +98,6 @@ if SYNTHETIC and not REPLICATED:
             calibration=f"{RUN}/calibration.csv",
         log:
             first(stage("publish_scores", "log.txt")),
-        benchmark:
-            first(stage("publish_scores", "benchmark.tsv"))
         params:
             code=code("publish_scores.py"),
         script:
@@ -120,8 +118,6 @@ elif not SYNTHETIC:
             ),
         log:
             first(stage("publish_scores", "log.txt")),
-        benchmark:
-            first(stage("publish_scores", "benchmark.tsv"))
         params:
             code=code("publish_scores.py"),
         script:
@@ -137,8 +133,6 @@ rule describe_model:
         card=f"{RUN}/model_card.md",
     log:
         first(stage("describe_model", "log.txt")),
-    benchmark:
-        first(stage("describe_model", "benchmark.tsv"))
     params:
         **section("run", "source"),
         code=code("describe_model.py"),

@@ -11,8 +11,6 @@ rule recover_distribution:
         densities=first(stage("recover_distribution", "densities.csv")),
     log:
         first(stage("recover_distribution", "log.txt")),
-    benchmark:
-        first(stage("recover_distribution", "benchmark.tsv"))
     params:
         **TRIALS,
         **section(
@@ -35,8 +33,6 @@ rule draw_recovery:
         figure("recovery", "Self-consistency"),
     log:
         first(stage("draw_recovery", "log.txt")),
-    benchmark:
-        first(stage("draw_recovery", "benchmark.tsv"))
     params:
         code=code("draw_recovery.py"),
     script:

@@ -12,8 +12,6 @@ if REPLICATED:
             ),
         log:
             first(stage("count_claims", "log.txt")),
-        benchmark:
-            first(stage("count_claims", "benchmark.tsv"))
         params:
             code=code("count_claims.py"),
         script:
@@ -28,8 +26,6 @@ if REPLICATED:
             ),
         log:
             first(stage("pool_scores", "log.txt")),
-        benchmark:
-            first(stage("pool_scores", "benchmark.tsv"))
         params:
             code=code("pool_scores.py"),
         script:
@@ -44,8 +40,6 @@ if REPLICATED:
             figure("replicated_scores", "Evaluation"),
         log:
             first(stage("draw_replicates", "log.txt")),
-        benchmark:
-            first(stage("draw_replicates", "benchmark.tsv"))
         params:
             code=code("draw_replicates.py"),
         script:

@@ -50,8 +50,6 @@ rule build_report:
         pdf=f"{RUN}/report.pdf",
     log:
         first(stage("build_report", "log.txt")),
-    benchmark:
-        first(stage("build_report", "benchmark.tsv"))
     params:
         **RECORDING,
         **section("seed", "planner", "space", "scenarios"),

@@ -13,8 +13,6 @@ rule plan_training:
         vectors=stage("plan_training", "vectors.parquet", "shard"),
     log:
         stage("plan_training", "log.txt", "shard"),
-    benchmark:
-        stage("plan_training", "benchmark.tsv", "shard")
     params:
         **section(*SHARED),
         code=code("plan_walks.py"),
@@ -32,8 +30,6 @@ rule plan_scenario:
         vectors=stage("plan_scenario", "vectors.parquet", "scenario"),
     log:
         stage("plan_scenario", "log.txt", "scenario"),
-    benchmark:
-        stage("plan_scenario", "benchmark.tsv", "scenario")
     params:
         **section(*SHARED),
         code=code("plan_walks.py"),
@@ -51,8 +47,6 @@ rule score_maps:
         maps=stage("score_maps", "maps.nc", "shard"),
     log:
         stage("score_maps", "log.txt", "shard"),
-    benchmark:
-        stage("score_maps", "benchmark.tsv", "shard")
     params:
         **section("planner", "space", "metric", "standing", "dependencies"),
         code=code("score_maps.py"),
@@ -68,8 +62,6 @@ rule build_space:
         density=stage("build_space", "density.csv"),
     log:
         stage("build_space", "log.txt"),
-    benchmark:
-        stage("build_space", "benchmark.tsv")
     params:
         **section("seed", "space", "dependencies", "blending_space"),
         code=code("build_space.py"),
@@ -94,8 +86,6 @@ rule fit_static:
         optimum=stage("fit_static", "optimum.csv"),
     log:
         stage("fit_static", "log.txt"),
-    benchmark:
-        stage("fit_static", "benchmark.tsv")
     params:
         **section(
             "seed",
@@ -118,8 +108,6 @@ rule train_model:
         model=stage("train_model", "model.safetensors"),
     log:
         stage("train_model", "log.txt"),
-    benchmark:
-        stage("train_model", "benchmark.tsv")
     params:
         **section("run", "seed", "model"),
         code=code("train_model.py"),

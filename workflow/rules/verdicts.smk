@@ -28,8 +28,6 @@ rule check_claims:
         claims=stage("check_claims", "claims.csv"),
     log:
         stage("check_claims", "log.txt"),
-    benchmark:
-        stage("check_claims", "benchmark.tsv")
     params:
         **section("scenarios"),
         code=code("check_claims.py"),
@@ -49,8 +47,6 @@ rule compare_verdicts:
         ),
     log:
         first(stage("compare_verdicts", "log.txt")),
-    benchmark:
-        first(stage("compare_verdicts", "benchmark.tsv"))
     params:
         code=code("compare_verdicts.py"),
     script:
@@ -66,8 +62,6 @@ rule list_assumptions:
         inconsistencies=f"{RUN}/tables/inconsistencies.csv",
     log:
         first(stage("list_assumptions", "log.txt")),
-    benchmark:
-        first(stage("list_assumptions", "benchmark.tsv"))
     params:
         code=code("list_assumptions.py"),
         root=os.path.relpath(ROOT),
@@ -196,8 +190,6 @@ rule render_tables:
         pages=[page(name) for name in TABLES],
     log:
         first(stage("render_tables", "log.txt")),
-    benchmark:
-        first(stage("render_tables", "benchmark.tsv"))
     params:
         code=code("render_tables.py"),
         titles=list(TABLE_TITLES.values()),

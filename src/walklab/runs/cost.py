@@ -1,6 +1,6 @@
 """What a job has taken of the machine, as it measures itself when it ends.
 
-Snakemake's benchmark samples from outside: of a job that lasts a second or two it may have seen only the shell before Python.
+Snakemake's benchmark directive samples from outside, which misses most of a job of a second or two and keeps its own process busy.
 """
 
 from __future__ import annotations

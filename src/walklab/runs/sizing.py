@@ -31,7 +31,7 @@ MEETING = "build_space"
 IDLE = "draw_participants"
 HOUR_S = 3600.0
 # What lies beside the products of a job.
-BESIDE = ("log.txt", "benchmark.tsv", "checksums.txt", cost.FILE)
+BESIDE = ("log.txt", "checksums.txt", cost.FILE)
 QUANTITIES = ("cpu_s", "memory_mb", "disk_mb")
 
 

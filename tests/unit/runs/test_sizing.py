@@ -88,7 +88,6 @@ def test_costs_are_read_from_the_files_of_a_run(tmp_path):
         folder = replicate / stage / ("0" if stage in SHARDED else "")
         folder.mkdir(parents=True, exist_ok=True)
         write_json({"wall_s": 9.0, "cpu_s": 4.5, "peak_memory_mb": 321.0}, folder / "cost.json")
-        (folder / "benchmark.tsv").write_text("Snakemake's own measurement is not asked")
         (folder / "log.txt").write_text("not a product")
         (folder / "product.nc").write_bytes(bytes(2_000_000))
     pd.DataFrame({"walk": np.arange(7)}).to_parquet(replicate / "plan_training/0/vectors.parquet")
