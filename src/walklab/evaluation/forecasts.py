@@ -18,7 +18,14 @@ from walklab.evaluation.baselines import climatology, levels, regression
 from walklab.evaluation.calibration import MEMBERS, Calibration
 from walklab.evaluation.extended import log_times
 from walklab.evaluation.grid_scores import grid_crps, grid_energy, grid_quantiles
-from walklab.evaluation.learned_baselines import gaussian_process, personal_regression, quantile_regression, with_residuals
+from walklab.evaluation.learned_baselines import (
+    GaussianProcess,
+    fit_gaussian_process,
+    personal_regression,
+    quantile_regression,
+    with_residuals,
+)
+from walklab.evaluation.log_regression import LogRegression, fit_log_regression
 from walklab.evaluation.subject_scores import OWN_MAP
 from walklab.planning.tracing import Traces
 from walklab.steering.learned import Pace
@@ -49,7 +56,7 @@ class Known:
     Attributes
     ----------
     durations_s, lengths_m, vectors, participants : (N,), (N,), (N, D), (N,) of all training walks
-    few : rows of the walks that the Gaussian process is fitted to
+    few : rows of the walks that the kernel of the Gaussian process is fitted to
     static_residuals_s, adaptive_residuals_s : captured - simulated travel times of training walks
     bare : (C,) mean suitability of all training walks
     """
@@ -62,6 +69,17 @@ class Known:
     static_residuals_s: Array
     adaptive_residuals_s: Array
     bare: Array
+
+    @functools.cached_property
+    def log_regressions(self) -> tuple[LogRegression, LogRegression]:
+        """Linear and quadratic; like the process below fitted once for all scenarios."""
+        walks = self.durations_s, self.vectors, self.participants
+        return fit_log_regression(*walks), fit_log_regression(*walks, degree=2)
+
+    @functools.cached_property
+    def process(self) -> GaussianProcess:
+        """The Gaussian process."""
+        return fit_gaussian_process(self.durations_s, self.vectors, self.participants, self.few)
 
 
 @dataclass(frozen=True)
@@ -117,15 +135,18 @@ def all_forecasts(known: Known, asked: Asked, calibration: Calibration, volumes:
     for name, effect in effects_before(calibration.pace, asked, density).items():
         found[name] = Forecast(paced_forecast(calibration.pace, asked.traces.travel_s, density, asked.vectors, effect, MEMBERS))
     pairs = known.durations_s, known.vectors
-    few = known.durations_s[known.few], known.vectors[known.few]
     personal = (*pairs, known.participants, asked.captured_s, asked.vectors, asked.participants)
+    (linear, quadratic), walked = known.log_regressions, (asked.vectors, asked.captured_s, asked.participants)
     members = {
         CLIMATOLOGY: climatology(known.durations_s, known.lengths_m, known.participants, asked.lengths_m),
         REGRESSION: regression(*pairs, asked.vectors),
         QUANTILE_REGRESSION: quantile_regression(*pairs, asked.vectors),
-        GAUSSIAN_PROCESS: gaussian_process(*few, asked.vectors),
+        LOG_REGRESSION: linear.new_person(asked.vectors),
+        QUADRATIC_REGRESSION: quadratic.new_person(asked.vectors),
+        GAUSSIAN_PROCESS: known.process.new_person(asked.vectors),
         REGRESSION_EARLIER: personal_regression(*personal),
-        LOG_REGRESSION_EARLIER: personal_regression(*personal, logarithmic=True),
+        LOG_REGRESSION_EARLIER: linear.after_earlier(*walked),
+        QUADRATIC_REGRESSION_EARLIER: quadratic.after_earlier(*walked),
         OWN_MAP: asked.own_map_s[:, None],
     }
     return found | {name: Forecast(values) for name, values in members.items()}

@@ -1,21 +1,26 @@
 """What a sceptic would fit to the same dependencies instead: quantile regression, a Gaussian process, personal intercepts.
 
-Like the other baselines (:mod:`walklab.evaluation.baselines`) each returns equally likely travel times, (N, members), seconds.
+The regressions of log T are in :mod:`walklab.evaluation.log_regression`. Like the other baselines
+(:mod:`walklab.evaluation.baselines`) each returns equally likely travel times, (N, members), seconds.
 """
 
 from __future__ import annotations
 
 import warnings
 from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtri
 
 from walklab.evaluation.baselines import levels
-from walklab.steering.pace import fit_pace
+from walklab.evaluation.log_regression import column_choices, log_members, log_score, logged
+from walklab.steering.pace import PaceEffect, fit_pace
 
 Array = NDArray[np.float64]
+Rows = NDArray[np.int64]
 
 FITTED_LEVELS = (0.025, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.975)
 
@@ -46,18 +51,89 @@ def quantile_regression(durations_s: ArrayLike, vectors: ArrayLike, asked_vector
     return np.maximum([np.interp(levels(members), FITTED_LEVELS, row) for row in fitted], 0.0)
 
 
-def gaussian_process(durations_s: ArrayLike, vectors: ArrayLike, asked_vectors: ArrayLike, members: int = 200) -> Array:
-    """A Gaussian process with one length scale per dependency and white noise (scikit-learn), fitted by marginal likelihood."""
+@dataclass(frozen=True)
+class GaussianProcess:
+    """A Gaussian process of log T, and how people depart from it.
+
+    Attributes
+    ----------
+    columns : dependencies among the inputs
+    centre, scale : (P,) of each input
+    process : of the standardised inputs (scikit-learn), conditioned on all training walks
+    noise : its variance of single walks, as it would be if all were of different people
+    effect : of people, from walks whose person was left out
+    """
+
+    columns: tuple[int, ...]
+    centre: Array
+    scale: Array
+    process: Any
+    noise: float
+    effect: PaceEffect
+
+    def new_person(self, vectors: ArrayLike, members: int = 200) -> Array:
+        """(W, members) travel times of somebody new, seconds: how unsure the process is of its mean, a person, and a walk."""
+        inputs = (logged(vectors)[:, list(self.columns)] - self.centre) / self.scale
+        mean, sd = self.process.predict(inputs, return_std=True)
+        # Of people left out, the spread holds already how unsure the mean of the others is.
+        spread = np.sqrt(np.maximum(sd**2 - self.noise, 0.0) + self.effect.person_sd**2)
+        return log_members(mean, (np.zeros(len(mean)), spread), self.effect, members)
+
+
+def fit_gaussian_process(
+    durations_s: ArrayLike, vectors: ArrayLike, participants: Sequence[str], few: Rows | None = None
+) -> GaussianProcess:
+    """A Gaussian process of log T with one length scale per dependency and white noise (scikit-learn).
+
+    The kernel is that of the largest marginal likelihood of a few walks; whether dependencies that belong to a person are among
+    its inputs is chosen by the log score of participants left out of these (by the likelihood itself they always would be: they
+    tell persons apart). The process is then conditioned on all walks.
+
+    Parameters
+    ----------
+    durations_s, vectors, participants : (W,), (W, D), (W,) of the training walks; the length is the first dependency
+    few : rows of the walks that the kernel is fitted to; None: all
+    """
     from sklearn.gaussian_process import GaussianProcessRegressor  # late: half a second of imports
+
+    times, owners = np.log(np.asarray(durations_s, dtype=float)), np.asarray(participants, dtype=str)
+    inputs = logged(vectors)
+    rows = np.arange(len(times)) if few is None else few
+    found = [
+        (columns, *_fit_kernel(inputs[rows][:, list(columns)], times[rows], owners[rows]))
+        for columns in column_choices(inputs, owners.tolist())
+    ]
+    columns, kernel, effect, _ = max(found, key=lambda each: each[-1])
+    chosen = inputs[:, list(columns)]
+    centre, scale = chosen[rows].mean(axis=0), chosen[rows].std(axis=0)
+    # Nothing more is learned here: one factorisation for all walks.
+    process = GaussianProcessRegressor(kernel, optimizer=None, normalize_y=True).fit((chosen - centre) / scale, times)
+    return GaussianProcess(columns, centre, scale, process, float(kernel.k2.noise_level * times.var()), effect)
+
+
+def _fit_kernel(inputs: Array, times: Array, owners: NDArray[np.str_]) -> tuple[Any, PaceEffect, float]:
+    """The kernel, people's departures from a process that was conditioned on the others, and their log score."""
+    from sklearn.exceptions import ConvergenceWarning
+    from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
 
-    known, asked = designs(vectors, asked_vectors)
-    kernel = ConstantKernel(4.0) * RBF(np.full(known.shape[1], 3.0), (0.1, 100)) + WhiteKernel(0.1, (1e-4, 10))
+    at = (inputs - inputs.mean(axis=0)) / inputs.std(axis=0)
+    start = ConstantKernel(4.0) * RBF(np.full(at.shape[1], 3.0), (0.1, 100)) + WhiteKernel(0.1, (1e-4, 10))
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # a length scale at its bound says that the dependency does not matter
-        model = GaussianProcessRegressor(kernel, normalize_y=True).fit(known, np.asarray(durations_s, dtype=float))
-    mean, sd = model.predict(asked, return_std=True)
-    return np.maximum(mean[:, None] + sd[:, None] * ndtri(levels(members)), 0.0)
+        # A length scale at its bound says that the dependency does not matter.
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        model = GaussianProcessRegressor(start, normalize_y=True).fit(at, times)
+    precision = np.linalg.inv(model.kernel_(at))
+    pull = precision @ ((times - times.mean()) / times.std())
+    off = np.empty(len(times))
+    for owner in np.unique(owners):
+        own = np.flatnonzero(owners == owner)
+        # Of a normal vector: what a block is off by, given all others (Rasmussen & Williams 2006, section 5.4.2, by blocks).
+        off[own] = np.linalg.solve(precision[np.ix_(own, own)], pull[own]) * times.std()
+    effect = fit_pace(off, owners.tolist())
+    spread = float(np.hypot(effect.person_sd, effect.walk_sd))
+    score = float(np.mean([log_score(off[owners == owner], spread) for owner in np.unique(owners)]))
+    return model.kernel_, effect, score
 
 
 def personal_regression(
@@ -68,35 +144,23 @@ def personal_regression(
     asked_vectors: ArrayLike,
     asked_participants: Sequence[str],
     members: int = 200,
-    logarithmic: bool = False,
 ) -> Array:
-    """Regression with a random intercept per person, which the person's *earlier* walks inform.
+    """Regression of T with a random intercept per person, which the person's *earlier* walks inform.
 
     Ordinary least squares on the dependencies; residuals split into persons and walks (:func:`walklab.steering.pace.fit_pace`);
-    forecast: fitted value + posterior of the person's intercept + a walk's own spread. ``logarithmic`` fits log T on log of
-    the lengths and the other dependencies as they are, so that the intercept is a pace.
+    forecast: fitted value + posterior of the person's intercept + a walk's own spread. That of log T is
+    :meth:`walklab.evaluation.log_regression.LogRegression.after_earlier`.
     """
     from statsmodels.regression.linear_model import OLS  # late: a second of imports
     from statsmodels.tools.tools import add_constant
 
-    known, asked = designs(_logged(vectors) if logarithmic else vectors, _logged(asked_vectors) if logarithmic else asked_vectors)
-    times, captured = np.asarray(durations_s, dtype=float), np.asarray(asked_durations_s, dtype=float)
-    if logarithmic:
-        times, captured = np.log(times), np.log(captured)
-    fit = OLS(times, add_constant(known, has_constant="add")).fit()
+    known, asked = designs(vectors, asked_vectors)
+    fit = OLS(np.asarray(durations_s, dtype=float), add_constant(known, has_constant="add")).fit()
     fitted = fit.predict(add_constant(asked, has_constant="add"))
     effect = fit_pace(fit.resid, participants)
-    mean, sd = effect.posterior(captured - fitted, asked_participants)
-    spread = np.sqrt(sd**2 + effect.walk_sd**2)
-    forecast = fitted[:, None] + mean[:, None] + spread[:, None] * ndtri(levels(members))
-    return np.exp(forecast) if logarithmic else np.maximum(forecast, 0.0)
-
-
-def _logged(vectors: ArrayLike) -> Array:
-    """The first dependency, the length, in logarithms."""
-    values = np.array(vectors, dtype=float, ndmin=2)
-    values[:, 0] = np.log(values[:, 0])
-    return values
+    mean, sd = effect.posterior(np.asarray(asked_durations_s, dtype=float) - fitted, asked_participants)
+    spread = np.hypot(sd, effect.walk_sd)
+    return np.maximum(fitted[:, None] + mean[:, None] + spread[:, None] * ndtri(levels(members)), 0.0)
 
 
 def with_residuals(points_s: ArrayLike, residuals_s: ArrayLike, members: int = 200) -> Array:

@@ -23,14 +23,18 @@ from walklab.evaluation.forecasts import (
     EXTENDED,
     EXTENDED_EARLIER,
     GAUSSIAN_PROCESS,
+    LOG_REGRESSION,
     LOG_REGRESSION_EARLIER,
+    QUADRATIC_REGRESSION,
+    QUADRATIC_REGRESSION_EARLIER,
     QUANTILE_REGRESSION,
     REGRESSION_EARLIER,
     paced_forecast,
     sharpened,
 )
 from walklab.evaluation.grid_scores import grid_quantiles
-from walklab.evaluation.learned_baselines import gaussian_process, personal_regression, quantile_regression
+from walklab.evaluation.learned_baselines import fit_gaussian_process, personal_regression, quantile_regression
+from walklab.evaluation.log_regression import fit_log_regression
 from walklab.planning.tracing import Traces
 from walklab.steering.learned import ignoring
 from walklab.steering.models import ProbabilisticModel
@@ -116,10 +120,16 @@ def nested_forecasts(
     for name, people in ((EXTENDED, alone), (EXTENDED_EARLIER, asked["participants"])):
         effect = pace.effect.posterior(np.log(asked["captured_s"]) - start, list(people))
         yield name, k, paced_forecast(pace, traces.travel_s, density, asked["vectors"], effect, members)
-    pairs = known["captured_s"], known["vectors"], asked["vectors"]
-    yield QUANTILE_REGRESSION, 0, quantile_regression(*pairs, members)
-    yield GAUSSIAN_PROCESS, 0, gaussian_process(*pairs, members)
-    for name, logarithmic in ((REGRESSION_EARLIER, False), (LOG_REGRESSION_EARLIER, True)):
-        training = known["captured_s"], known["vectors"], list(known["participants"])
-        target = asked["captured_s"], asked["vectors"], list(asked["participants"])
-        yield name, 0, personal_regression(*training, *target, members, logarithmic)
+    training = known["captured_s"], known["vectors"], list(known["participants"])
+    vectors, walked = asked["vectors"], (asked["vectors"], asked["captured_s"], list(asked["participants"]))
+    yield QUANTILE_REGRESSION, 0, quantile_regression(*training[:2], vectors, members)
+    yield GAUSSIAN_PROCESS, 0, fit_gaussian_process(*training).new_person(vectors, members)
+    target = asked["captured_s"], vectors, list(asked["participants"])
+    yield REGRESSION_EARLIER, 0, personal_regression(*training, *target, members)
+    for degree, alone_name, earlier_name in (
+        (1, LOG_REGRESSION, LOG_REGRESSION_EARLIER),
+        (2, QUADRATIC_REGRESSION, QUADRATIC_REGRESSION_EARLIER),
+    ):
+        fitted = fit_log_regression(*training, degree=degree)
+        yield alone_name, 0, fitted.new_person(vectors, members)
+        yield earlier_name, 0, fitted.after_earlier(*walked, members)

@@ -138,7 +138,7 @@ def test_one_participant_alone_gives_the_rows_of_the_whole_study(study: Study) -
     whole = leave_one_subject_out(study, SETTINGS, OPTIONS, 3, 0)
     alone = leave_out("C", study, SETTINGS, OPTIONS, 3, 0)
     pd.testing.assert_frame_equal(whole.predictions[whole.predictions["participant"] == "C"].reset_index(drop=True), alone)
-    assert len(whole.scores) == 4 * 16
+    assert len(whole.scores) == 4 * 19
     assert set(whole.scores["walks"]) == {2, 3, 4, 6}
     assert (whole.summary["participants"] == 4).all()
 

@@ -122,7 +122,7 @@ def forecast(walks: list[Walk], learned: Learned, vectors: pd.DataFrame | None =
 
 def test_however_the_walks_were_walked_the_forecasts_are_the_same(learned: Learned, asked_for: list[Walk]) -> None:
     before, after = forecast(asked_for, learned)[1], forecast([walked_otherwise(each) for each in asked_for], learned)[1]
-    assert len(before) == 14
+    assert len(before) == 17
     for name, found in before.items():
         if name not in (*INFORMED, OWN_MAP):
             np.testing.assert_array_equal(found.members_s, after[name].members_s, err_msg=name)
