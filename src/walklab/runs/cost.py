@@ -1,6 +1,7 @@
 """What a job has taken of the machine, as it measures itself when it ends.
 
-Snakemake's benchmark directive samples from outside, which misses most of a job of a second or two and keeps its own process busy.
+Snakemake's benchmark directive samples from outside, which misses most of a job of a second or two and keeps
+Snakemake itself busy.
 """
 
 from __future__ import annotations
