@@ -59,10 +59,10 @@ multiverse: .venv/ready
 
 # One call, the longest files first: while a test of the DAG waits for a job, another worker uses the other core.
 test: .venv/ready .venv/tracking .venv/validator/ready
-	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder -rs -m "not slow"
+	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder -m "not slow"
 
 test-all: .venv/ready .venv/tracking .venv/validator/ready
-	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder -rs
+	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder
 
 # One core where a row says so, and the BLAS kernels that the processor wants: neither may slow a baseline.
 BENCH := env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1

@@ -13,6 +13,8 @@ import numpy as np
 import pandas as pd
 import pytest
 
+from walklab.capture.acclaim_files import read_motion, read_skeleton
+from walklab.capture.acclaim_skeleton import joint_positions
 from walklab.capture.own import import_walks
 from walklab.errors import InputError
 from walklab.geometry.plans import load_plan
@@ -100,6 +102,74 @@ def test_a_malicious_recording_is_refused_in_one_line(name, mark, tmp_path):
     assert not mark.exists()
 
 
+SKELETON = """
+:root
+  order TX TY TZ RX RY RZ
+  axis XYZ
+  position 0 0 0
+  orientation 0 0 0
+:bonedata
+  begin
+    name {bone}
+    direction 1 0 0
+    length {length}
+    axis 0 0 0 XYZ
+    dof rx
+  end
+:hierarchy
+  begin
+    root {bone}
+  end
+"""
+MOTION = ":DEGREES\n{frame}\nroot 0 0 0 0 0 0\n{bone} {angle}\n"
+HARMLESS = {"bone": "leg", "length": "1", "frame": "1", "angle": "0"}
+ACCLAIM = {
+    "a length that overflows": {"length": "1e308"},
+    "a length beyond every number": {"length": "1e999"},
+    "code for a length": {"length": "__import__('os').getcwd()"},
+    "an angle that overflows": {"angle": "-1e308"},
+    "no number for an angle": {"angle": "nan"},
+    "more numbers than the bone moves": {"angle": "0 " * 100_000},
+    "a frame number without end": {"frame": "9" * 100_000},
+    "a frame number of no digits": {"frame": "\u00b2"},
+}
+
+
+def read_acclaim(folder: Path, **words: str) -> None:
+    filled = HARMLESS | words
+    (folder / "walk.asf").write_text(SKELETON.format(**filled))
+    (folder / "walk.amc").write_text(MOTION.format(**filled))
+    skeleton = read_skeleton(folder / "walk.asf")
+    positions = joint_positions(skeleton, read_motion(folder / "walk.amc", skeleton))
+    assert all(np.isfinite(points).all() for points in positions.values())
+
+
+def test_the_harmless_acclaim_recording_is_read(tmp_path):
+    read_acclaim(tmp_path)
+
+
+@pytest.mark.parametrize("name", ACCLAIM)
+def test_a_malicious_acclaim_recording_is_refused_in_one_line(name, tmp_path):
+    with pytest.raises(InputError, match=r"walk\.a[sm][fc], line \d+: "):
+        read_acclaim(tmp_path, **ACCLAIM[name])
+
+
+def test_a_bone_named_like_a_path_stays_a_name(tmp_path):
+    read_acclaim(tmp_path, bone="../../../etc/cron.d/x")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["walk.amc", "walk.asf"]
+
+
+@pytest.mark.parametrize("suffix", ["asf", "amc"])
+def test_a_pickle_called_acclaim_is_refused(suffix, mark, tmp_path):
+    path = tmp_path / f"walk.{suffix}"
+    path.write_bytes(pickle.dumps(Payload(mark)))
+    (tmp_path / "whole.asf").write_text(SKELETON.format(**HARMLESS))
+    skeleton = read_skeleton(tmp_path / "whole.asf")
+    with pytest.raises(InputError, match=rf"walk\.{suffix}"):
+        read_skeleton(path) if suffix == "asf" else read_motion(path, skeleton)
+    assert not mark.exists()
+
+
 def test_a_participant_named_like_a_path_stays_a_name(tmp_path):
     time_s = np.arange(0, 3, 0.01)
     walk = {"time_s": time_s, "x_m": np.interp(time_s, [0.5, 2.5], [0.0, 2.0]), "y_m": 0.0, "height_m": 1.7}
@@ -141,3 +211,29 @@ def test_a_value_of_the_configuration_never_reaches_a_shell(mark, tmp_path):
     assert done.returncode != 0
     assert "config key run" in done.stdout + done.stderr
     assert not mark.exists()
+
+
+OUTSIDE = {
+    "a scenario by a link": ("scenarios.scenario_1", {"scenarios": {"scenario_1": "link.yaml"}}),
+    "another run's verdicts": ("compare_verdicts.other", {"compare_verdicts": {"other": "../private.yaml"}}),
+}
+
+
+@pytest.mark.workflow
+@pytest.mark.parametrize("name", OUTSIDE)
+def test_a_configuration_cannot_name_a_file_elsewhere(name, tmp_path):
+    """A dry run stops at the key, before anything has read the file."""
+    key, config = OUTSIDE[name]
+    folder, outside = tmp_path / "work", tmp_path / "private.yaml"
+    folder.mkdir()
+    outside.write_text("secret: 1\n")
+    (folder / "link.yaml").symlink_to(outside)
+    (folder / "bad.yaml").write_text(json.dumps(config))
+    command = [sys.executable, "-m", "snakemake", "--snakefile", str(ROOT / "Snakefile"), "--configfile", "bad.yaml", "--dry-run"]
+    environment = {**os.environ, "WALKLAB_DATA": str(folder / "data")}
+    done = subprocess.run([*command, "--cores", "1"], cwd=folder, env=environment, capture_output=True, text=True, check=False)
+    told = done.stdout + done.stderr
+    assert done.returncode != 0
+    assert f"config key {key}: " in told, told
+    assert "lies outside of the working folder" in told
+    assert "secret" not in told

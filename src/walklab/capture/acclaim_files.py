@@ -13,6 +13,10 @@ import numpy as np
 from walklab.capture.acclaim_skeleton import ROOT, Bone, Motion, Root, Skeleton
 from walklab.errors import InputError
 
+# No length or angle of a person comes near; beyond, sums and squares of what is read would overflow.
+LARGEST = 1e6
+LONGEST_FRAME_NUMBER = 12
+
 
 @dataclass
 class _Lines:
@@ -43,6 +47,8 @@ class _Lines:
             self.fail(f"{what} has a value that is no number in {' '.join(words)!r}; correct the line")
         if not all(math.isfinite(value) for value in values):
             self.fail(f"{what} is not finite: {' '.join(words)!r}; correct the line")
+        if max(map(abs, values), default=0.0) > LARGEST:
+            self.fail(f"{what} is larger than {LARGEST:g}: {' '.join(words)!r}; correct the line")
         return values
 
 
@@ -244,7 +250,9 @@ def read_motion(path: str | Path, skeleton: Skeleton) -> Motion:
         name = words[0]
         if name.startswith(":"):
             degrees = degrees and name.upper() != ":RADIANS"
-        elif name.isdigit() and len(words) == 1:
+        elif name.isdecimal() and len(words) == 1:
+            if len(name) > LONGEST_FRAME_NUMBER:
+                lines.fail(f"a frame number has {len(name)} digits; correct the line")
             _check_frame(lines, columns, frames)
             if frames and int(name) != number + 1:
                 lines.fail(f"frame {name} follows frame {number}; the recording has a gap, cut it there")

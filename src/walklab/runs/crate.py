@@ -12,7 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from walklab.errors import InputError
+from walklab.runs.crate_inputs import data_folder, inputs
 from walklab.runs.io import read_record
+from walklab.runs.record import commit
 from walklab.storage import atomic_path
 
 PROFILES = {
@@ -21,7 +23,11 @@ PROFILES = {
     "https://w3id.org/workflowhub/workflow-ro-crate/1.0": ("Workflow RO-Crate", "1.0"),
 }
 LICENSE = "https://spdx.org/licenses/MIT"
-WORKFLOW = ("workflow", "config", "profiles", "requirements.lock", "pyproject.toml", "README.md", "LICENSE", "CITATION.cff")
+# What the workflow needs to run again, as `make` does.
+WORKFLOW = (
+    *("workflow", "config", "profiles", "src", "Makefile"),
+    *("requirements.lock", "pyproject.toml", "README.md", "LICENSE", "CITATION.cff"),
+)
 PRODUCTS = ("*.csv", "*.json", "*.html", "*.pdf", "*.md", "*.safetensors", "figures/*", "tables/*.csv")
 FORMATS = {
     ".csv": "text/csv",
@@ -52,17 +58,20 @@ def write_crate(run: str | Path, root: str | Path, path: str | Path) -> int:
     Raises
     ------
     InputError
-        If there is no record, or the package rocrate is not installed.
+        If there is no record, the checkout is at another commit than the run, or the package rocrate is not installed.
     """
     folder, root = Path(run), Path(root)
     record = read_record(folder)
+    code = _code(folder, record["commit"], root)
     crate = _new_crate(record)
     workflow = crate.add_workflow(root / "Snakefile", "Snakefile", main=True, lang="snakemake", lang_version=_snakemake(record))
     workflow["name"] = "walklab"
     workflow["license"] = {"@id": LICENSE}
+    workflow["version"] = record["commit"].get("id", "unknown")
+    workflow["description"] = code
     for name in _tracked(root):
         crate.add_file(root / name, name, properties=_described(Path(name)))
-    given = _configuration(crate, record)
+    given = [*_configuration(crate, record), *_inputs(crate, record, root)]
     made = [
         crate.add_file(file, f"results/{file.relative_to(folder).as_posix()}", properties=_described(file))
         for file in _products(folder)
@@ -81,6 +90,21 @@ def write_crate(run: str | Path, root: str | Path, path: str | Path) -> int:
     with atomic_path(path) as temporary:
         crate.write_zip(temporary)
     return len(made)
+
+
+def _code(folder: Path, ran: Mapping[str, Any], root: Path) -> str:
+    """How the packed code relates to what ran: the commit, and whether files differed from it, then or now."""
+    here = commit(root)
+    if ran.get("id") != here.get("id"):
+        made, found = (known.get("id", "no commit")[:12] for known in (ran, here))
+        raise InputError(
+            f"{folder}: made by {made}, but the checkout is at {found}; check that one out and name it with --root"
+        )
+    if not here:
+        return "Packed outside of git: whether this is the code that ran is not known."
+    differed = [when for when, known in (("when the run was made", ran), ("when it was packed", here)) if known["dirty"]]
+    same = f"The code of commit {here['id']}."
+    return f"{same} Files differed from it {' and '.join(differed)}: this may not be all that ran." if differed else same
 
 
 def _new_crate(record: Mapping[str, Any]) -> Any:
@@ -109,11 +133,30 @@ def _configuration(crate: Any, record: Mapping[str, Any]) -> list[Any]:
     return [crate.add_file(text, "configuration.json", properties=_described(Path("configuration.json")))]
 
 
+def _inputs(crate: Any, record: Mapping[str, Any], root: Path) -> list[Any]:
+    """Plan views and recordings as names with checksums: recordings are of people, so they are not packed."""
+    from rocrate.model.contextentity import ContextEntity
+
+    return [
+        crate.add(
+            ContextEntity(
+                crate, f"#input-{number}", {"@type": "PropertyValue", "name": name, "propertyID": "sha256", "value": checksum}
+            )
+        )
+        for number, (name, checksum) in enumerate(inputs(record["config"], root, data_folder()).items())
+    ]
+
+
 def _tracked(root: Path) -> Iterator[str]:
     for name in WORKFLOW:
         source = root / name
         files = sorted(source.rglob("*")) if source.is_dir() else [source]
-        yield from (file.relative_to(root).as_posix() for file in files if file.is_file() and "__pycache__" not in file.parts)
+        yield from (file.relative_to(root).as_posix() for file in files if file.is_file() and not _made(file))
+
+
+def _made(file: Path) -> bool:
+    """Whether a file of the checkout came of installing or importing it."""
+    return any(part == "__pycache__" or part.endswith(".egg-info") for part in file.parts)
 
 
 def _products(folder: Path) -> list[Path]:

@@ -42,7 +42,14 @@ def make_run(folder: Path, k: int = 100, ours: float = 0.4, crps_s: float = 0.2,
     )
     write_text("<svg xmlns='http://www.w3.org/2000/svg'/>", folder / "figures/fig11.svg")
     products = [str(folder / name) for name in ("claims.csv", "scores.csv", "figures/fig11.svg")]
-    config = {"run": folder.name, "seed": 1, "model": {"k": k}}
+    config = {
+        "run": folder.name,
+        "seed": 1,
+        "model": {"k": k},
+        "scenarios": {"scenario_1": "config/scenes/scenario_1.yaml"},
+        "compare_verdicts": {"other": None},
+        "source": {"kind": "synthetic", "path": None, "plans": []},
+    }
     found = record(config, ROOT, [], {"score_maps.py": f"digest {k}"}, products, folder, "record_run")
     cost = {"wall_s": wall_s, "cpu_s": 1.5, "peak_memory_mb": 90.0}
     found["stages"] = [{"stage": "score_maps", "part": "0", "replicate": 0, **cost}]
