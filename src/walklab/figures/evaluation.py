@@ -215,7 +215,7 @@ def fig13(ablations: pd.DataFrame, published: Mapping[str, float], calibrated: p
 
 def _variant_label(variant: str, held_at: float) -> str:
     if variant == "full":
-        return model_label("P_Prob")
+        return "full model"
     held = f" (held at {held_at:.2f})" if np.isfinite(held_at) else ""
     return f"without {symbol(variant.removeprefix('without_'))}{held}"
 
