@@ -19,12 +19,12 @@ from markupsafe import Markup
 
 from walklab.figures.claims import VERDICTS
 from walklab.figures.pages import number_text
-from walklab.figures.style import MODEL_COLOURS, OTHER_MODEL
+from walklab.figures.style import MODEL_COLOURS, OTHER_MODEL, read_name
 from walklab.report.contents import Contents
 from walklab.report.findings import forecast_findings, realism_findings
 from walklab.report.published import Comparison, beside_figure, beside_table, claimed, published_text
 from walklab.report.sections import SECTIONS, Section, figure_title, placed, tables_of
-from walklab.report.tables import Table, descriptions, medians, table_of, verdict_counts, with_interval
+from walklab.report.tables import Table, descriptions, headline, medians, table_of, verdict_counts, with_interval
 
 STYLES = ("style.css", "widgets.css", "print.css")
 SCRIPTS = ("theme.js", "tables.js", "drawing.js", "maps.js", "walks.js")
@@ -49,7 +49,13 @@ def environment() -> jinja2.Environment:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    found.filters |= {"number": number_text, "interval": with_interval, "label": label, "published": published_text}
+    found.filters |= {
+        "number": number_text,
+        "interval": with_interval,
+        "label": label,
+        "model": read_name,
+        "published": published_text,
+    }
     return found
 
 
@@ -83,7 +89,11 @@ def render(contents: Contents) -> str:
             paper=contents.paper,
             sections=[found for section in SECTIONS if (found := _section(section, contents))["present"]],
             present=set(frames) | set(contents.figures),
-            medians=medians(descriptions(frames), contents.paper) if contents.paper else [],
+            medians=headline(
+                medians(descriptions(frames), contents.paper) if contents.paper else [],
+                frames.get("claims"),
+                frames.get("scores"),
+            ),
             verdicts=verdict_counts(frames.get("claims"), list(VERDICTS)),
             forecast_findings=forecast_findings(frames.get("scores"), frames.get("tests")),
             realism_findings=realism_findings(frames.get("realism")),

@@ -8,7 +8,9 @@ from typing import Any
 
 import pandas as pd
 
+from walklab.evaluation.forecasts import EXTENDED
 from walklab.figures.pages import number_text
+from walklab.figures.style import read_name
 
 LONG_TEXT = 40
 UNITS = {"_1_m": "1/m", "_km": "km", "_ms": "ms", "_s": "s", "_m": "m", "_percent": "%"}
@@ -105,6 +107,36 @@ def medians(described: Mapping[str, pd.DataFrame], paper: Mapping[str, Any]) -> 
                 {"scenario": scenario.replace("_", " "), "model": row["model"], "ours": row["median"], "published": published}
             )
     return rows
+
+
+def headline(rows: Sequence[Mapping[str, Any]], claims: pd.DataFrame | None, scores: pd.DataFrame | None) -> list[dict[str, Any]]:
+    """The medians with their intervals, and beside them the CRPS of each model's forecast; then the extended model's.
+
+    Parameters
+    ----------
+    rows : of :func:`medians`
+    claims : DataFrame[id, ours_low, ours_high]: where a median is a claim, its interval stands there
+    scores : DataFrame[scenario, hull, model, crps_s, crps_s_low, crps_s_high]
+    """
+    intervals = {} if claims is None else claims.set_index("id")[["ours_low", "ours_high"]].to_dict("index")
+    crps = {}
+    if scores is not None and "crps_s_low" in scores:
+        names = ["crps_s", "crps_s_low", "crps_s_high"]
+        everyone = scores[scores["hull"] == "all"]
+        crps = {
+            (str(row["scenario"]).replace("_", " "), row["model"]): [row[n] for n in names] for row in everyone.to_dict("records")
+        }
+    found = []
+    for scenario in dict.fromkeys(row["scenario"] for row in rows):
+        own = [dict(row) for row in rows if row["scenario"] == scenario]
+        if (scenario, EXTENDED) in crps:
+            own.append({"scenario": scenario, "model": EXTENDED, "ours": None, "published": None})
+        for row in own:
+            ends = intervals.get(f"{scenario}_{row['model']}_median".replace(" ", "_").lower(), {})
+            forecasts = (read_name(row["model"]), f"{row['model']} with residual spread")
+            scored = next((crps[scenario, name] for name in forecasts if (scenario, name) in crps), [None] * 3)
+            found.append({**row, "low": ends.get("ours_low"), "high": ends.get("ours_high"), "crps": scored})
+    return found
 
 
 def verdict_counts(claims: pd.DataFrame | None, order: Sequence[str]) -> list[tuple[str, int]]:

@@ -78,6 +78,37 @@ def test_nothing_is_wider_than_the_window(browser, page, width):
     assert loose == []
 
 
+def outside(browser, cells):
+    """Texts of the cells that are not wholly between the left and the right edge of their frame."""
+    return browser.run(
+        """
+        return Array.from(document.querySelectorAll(arguments[0])).filter((cell) => cell.textContent.trim()).filter((cell) => {
+          const box = cell.getBoundingClientRect(), frame = cell.closest(".scroll").getBoundingClientRect();
+          const range = document.createRange();
+          range.selectNodeContents(cell);
+          const text = range.getBoundingClientRect();
+          const left = Math.min(box.left, text.left), right = Math.max(box.right, text.right);
+          return box.width === 0 || left < Math.max(0, frame.left) || right > Math.min(innerWidth, frame.right);
+        }).map((cell) => cell.textContent.trim());
+        """,
+        cells,
+    )
+
+
+def test_on_a_phone_results_are_seen_without_moving_a_table(browser, page):
+    browser.open(page, 400)
+    for cells in (
+        "#verdict-table td:nth-child(3), #verdict-table td.ours, #verdict-table td:last-child",
+        "#medians td:nth-child(n + 2)",
+        ".outcome tr:nth-child(n + 2) td",
+    ):
+        assert browser.run("return document.querySelectorAll(arguments[0]).length", cells) > 0
+        assert outside(browser, cells) == []
+    # The twin: a table that is not stacked is wider than the window, and the check sees it.
+    browser.run("for (const fold of document.querySelectorAll('details')) { fold.open = true; }")
+    assert outside(browser, "#table-scores td") != []
+
+
 @pytest.mark.parametrize("width", [400, 1280])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_all_text_has_contrast(browser, page, scheme, width):

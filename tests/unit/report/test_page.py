@@ -15,7 +15,7 @@ from walklab.report.contents import Contents, ReportTable
 from walklab.report.page import label, render
 from walklab.report.published import beside_figure
 from walklab.report.sections import SECTIONS, placed
-from walklab.report.tables import heading, table_of
+from walklab.report.tables import heading, headline, table_of
 
 
 @pytest.fixture(scope="module")
@@ -165,3 +165,24 @@ def test_style_and_script_ship_with_the_package():
     folder = Path(render.__code__.co_filename).parent / "assets"
     assert {"style.css", "maps.js", "report.html"} <= {path.name for path in folder.iterdir()}
     assert not re.search(r"https?://", "".join(path.read_text() for path in folder.rglob("*.*")))
+
+
+def test_the_headline_has_intervals_where_a_claim_has_them_and_the_score_of_each_forecast():
+    models = ("P_Stat", "P_Adapt", "P_Prob", "P_Prob (calibrated)")
+    rows = [{"scenario": "scenario 1", "model": name, "ours": 0.15, "published": None} for name in models]
+    names = ["P_Stat with residual spread", "P_Adapt", "P_Prob (literal)", "P_Prob (extended)", "regression"]
+    scores = pd.DataFrame(
+        [
+            ("scenario_1", hull, name, 0.1 * place + shift, 0.05, 0.5)
+            for hull, shift in (("inside", 5), ("all", 0))
+            for place, name in enumerate(names)
+        ],
+        columns=["scenario", "hull", "model", "crps_s", "crps_s_low", "crps_s_high"],
+    )
+    found = {row["model"]: row for row in headline(rows, claims(), scores)}
+    assert list(found) == [*models, "P_Prob (extended)"]
+    assert (found["P_Stat"]["low"], found["P_Stat"]["high"]) == (0.1333, 0.216667)
+    assert found["P_Prob"]["low"] is None
+    assert [found[name]["crps"][0] for name in found] == pytest.approx([0.0, 0.1, 0.2, None, 0.3])
+    assert found["P_Prob (extended)"]["ours"] is None
+    assert [row["crps"] for row in headline(rows, None, None)] == [[None] * 3] * 4

@@ -48,7 +48,7 @@ function element(tag, attributes, ...children) {
 
 // A model's name with its index set low, as text nodes: names are data.
 function modelName(name) {
-  const found = /^P_([^ ]+)(.*)$/.exec(name);
+  const found = /^P_([^ ]+)(.*)$/.exec(name === "P_Prob" ? "P_Prob (literal)" : name);
   return found ? ["P", element("sub", {}, found[1]), found[2]] : [name];
 }
 

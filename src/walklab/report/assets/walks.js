@@ -1,6 +1,6 @@
 // Players of walks: one per scene. Captured and simulated walks run in their own time from a common start.
 const STAGE = { wide: 1040, narrow: 620, height: 560, margin: 40 };
-const PARTS = { arrived: "arrived", passed: "passed the end, out of reach", timeout: "still under way at the time limit" };
+const PARTS = { arrived: "arrived", passed: "missed the end: turned too widely", timeout: "still under way at the time limit" };
 
 function startPlayers() {
   for (const root of document.querySelectorAll(".player")) { startPlayer(root, DATA.scenes[Number(root.dataset.scene)]); }
@@ -181,14 +181,17 @@ function drawLength(pen, scale) {
 
 function outcome(root, walk) {
   const body = root.querySelector(".outcome tbody");
-  const number = (text) => element("td", { class: "number" }, text);
-  const rows = [element("tr", {}, element("td", {}, "captured"), number(walk.captured_s.toFixed(2)), number(""), element("td", {}), element("td", {}))];
+  const labels = Array.from(root.querySelectorAll(".outcome th"), (heading) => heading.textContent);
+  const cell = (column, kind, ...inner) => element("td", { class: kind, "data-label": column ? labels[column] : "" }, ...inner);
+  const rows = [element("tr", {}, cell(0, "head", "captured"), cell(1, "number", walk.captured_s.toFixed(2)),
+    cell(2, "number none"), cell(3, "none"), cell(4, "none"))];
   for (const trial of walk.trials) {
     const sign = trial.dt_s > 0 ? "+" : "";
     rows.push(element("tr", {},
-      element("td", {}, ...modelName(trial.model)), number(trial.simulated_s.toFixed(2)), number(sign + trial.dt_s.toFixed(2)),
-      element("td", {}, trial.parameters.map((value) => value.toFixed(2)).join(", ")),
-      element("td", {}, (PARTS[trial.arrival] || trial.arrival) + (trial.collided ? ", through an obstacle" : ""))));
+      cell(0, "head", ...modelName(trial.model)), cell(1, "number", trial.simulated_s.toFixed(2)),
+      cell(2, "number", sign + trial.dt_s.toFixed(2)),
+      cell(3, "", trial.parameters.map((value) => value.toFixed(2)).join(", ")),
+      cell(4, "", (PARTS[trial.arrival] || trial.arrival) + (trial.collided ? ", through an obstacle" : ""))));
   }
   body.replaceChildren(...rows);
 }
