@@ -14,6 +14,7 @@ from numba import njit
 from numpy.typing import ArrayLike, NDArray
 
 from walklab.errors import InputError
+from walklab.steering.arguments import as_numbers, check_values
 from walklab.steering.scaling import Scaling, fit_scaling
 from walklab.steering.search import SearchTree, search_tree
 from walklab.steering.weighting import Weighting, weights
@@ -80,18 +81,16 @@ class BlendingSpace:
         return self.tree.nearest(self.scaling.apply(asked), k)
 
     def shaped(self, vectors: ArrayLike) -> Array:
-        """(W, D) dependency vectors; InputError if they have another number of values."""
-        asked = np.array(vectors, dtype=float, ndmin=2, order="C")
+        """(W, D) dependency vectors; InputError if they have another number of values, or one is no number."""
+        asked = np.array(as_numbers(vectors, self.names), ndmin=2, order="C")
         if asked.ndim != 2 or asked.shape[1] != len(self.names):
             raise InputError(f"dependency vectors have {asked.shape[-1]} values; needed are {', '.join(self.names) or 'none'}")
         return asked
 
     def checked(self, vectors: ArrayLike) -> Array:
-        """The same, and InputError if a value is not finite."""
+        """The same, and InputError if a value is not finite, or negative where that means nothing."""
         asked = self.shaped(vectors)
-        if not np.isfinite(asked).all():
-            row, column = np.argwhere(~np.isfinite(asked))[0]
-            raise InputError(f"dependency vectors: row {row}, {self.names[column]} is {asked[row, column]}; give a finite number")
+        check_values(asked, self.names)
         return asked
 
     def neighbours(self, vectors: ArrayLike, k: int, how: Weighting = "linear") -> tuple[Indices, Array]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from walklab.errors import InputError
+from walklab.steering.arguments import count_of, generator_of
 from walklab.steering.pace import PaceEffect, Trend, student
 from walklab.steering.probabilistic import ProbabilisticModel
 from walklab.steering.sharpness import SharpnessLaw
@@ -47,7 +48,8 @@ class CalibratedModel:
 
     def sample(self, vector: ArrayLike, size: int = 1, rng: np.random.Generator | None = None) -> Array:
         """Draw (size, P) parameter vectors for one walk."""
-        return replace(self.model, exponent=float(self.law.exponents(vector)[0])).sample(vector, size, rng)
+        exponent = float(self.law.exponents(self.model.blending.checked(vector))[0])
+        return replace(self.model, exponent=exponent).sample(vector, size, rng)
 
     def inside(self, vectors: ArrayLike) -> NDArray[np.bool_]:
         """Whether each dependency vector lies in the domain of validity, (W,)."""
@@ -133,7 +135,7 @@ class ExtendedModel:
         known : mean and standard deviation of this person's effect (``effect.posterior``); None: somebody new
         """
         effects = None if known is None else (np.array([known[0]]), np.array([known[1]]))
-        return self.sample_batch(np.atleast_2d(vector), size, [rng or np.random.default_rng()], effects)[0]
+        return self.sample_batch(np.atleast_2d(vector), size, [generator_of(rng)], effects)[0]
 
     def sample_batch(self, vectors: ArrayLike, size: int, rng: Generators, known: tuple[Array, Array] | None = None) -> Array:
         """Draw (W, size, P) parameter vectors; walk i draws from the i-th generator only.
@@ -147,6 +149,7 @@ class ExtendedModel:
         InputError
             If there is nothing to slow down: no parameter in m/s; or if a unit is none whose change with the pace is known.
         """
+        count_of(size)
         asked, effect, powers = self.model.blending.checked(vectors), self.pace.effect, self._powers_of_time()
         density = self.density_model()
         drawn = density.sample_batch(asked, size, rng)

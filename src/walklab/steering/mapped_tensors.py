@@ -37,7 +37,9 @@ def open_tensors(path: str | Path) -> tuple[dict[str, np.ndarray], dict[str, Any
         entries = json.loads(mapped[8:start])
         header = json.loads(entries.pop("__metadata__")["walklab"])
         return {name: _view(mapped, start, name, entry) for name, entry in entries.items()}, header
-    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
+    except OSError as error:
+        raise InputError(f"{path}: cannot be opened ({error.strerror}); give the file of a trained model") from error
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError) as error:
         raise InputError(f"{path}: not a walklab model file ({error}); train the model again") from error
 
 

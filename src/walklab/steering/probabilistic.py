@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from walklab.errors import InputError
 from walklab.steering import sampling
+from walklab.steering.arguments import as_numbers, count_of, generator_of
 from walklab.steering.blending import WEIGHTINGS, blend, blend_up
 from walklab.steering.blending_space import BlendingSpace
 from walklab.steering.bounds import block_bounds, rungs_above
@@ -155,7 +156,7 @@ class ProbabilisticModel:
         for name, unit in zip(self.dependencies, self.dependency_units, strict=True):
             if name not in dependencies:
                 raise InputError(f"dependency {name} ({unit}) is missing; this model needs {', '.join(self.dependencies)}")
-        return np.array([dependencies[name] for name in self.dependencies], dtype=float)
+        return as_numbers([dependencies[name] for name in self.dependencies], self.dependencies)
 
     def blend(self, vectors: ArrayLike) -> Array:
         """Blended suitability maps, (W, C), at the grid nodes."""
@@ -205,7 +206,7 @@ class ProbabilisticModel:
         Raises
         ------
         InputError
-            If a dependency is missing, unknown or not finite.
+            If a dependency is missing, unknown, not a finite number or negative, ``size`` is no count, or ``rng`` no generator.
 
         Warns
         -----
@@ -219,17 +220,17 @@ class ProbabilisticModel:
         asked = self._asked(vector)
         if len(asked) != 1:
             raise InputError(f"sample draws for one dependency vector, {len(asked)} were given; see sample_batch")
-        return self._draw(asked, (rng or np.random.default_rng()).random(1), size)[0]
+        return self._draw(asked, generator_of(rng).random(1), count_of(size))[0]
 
     def sample_batch(self, vectors: ArrayLike, size: int = 1, rng: np.random.Generator | Generators | None = None) -> Array:
         """Draw (W, size, P) parameter vectors for (W, D) dependency vectors at once.
 
         With one generator per walk, walk i draws from the i-th only, and as :meth:`sample` would. Warns like it, once.
         """
-        asked = self._asked(vectors)
+        asked, count = self._asked(vectors), count_of(size)
         if isinstance(rng, Sequence):
-            return self._draw(asked, self._seeds(rng, len(asked)), size)
-        return self._draw(asked, (rng or np.random.default_rng()).random(len(asked)), size)
+            return self._draw(asked, self._seeds(rng, len(asked)), count)
+        return self._draw(asked, generator_of(rng).random(len(asked)), count)
 
     def parameters(self, vectors: ArrayLike, generators: Generators | None = None) -> Array:
         """One draw per walk, (W, P); walk i draws from ``generators[i]`` only.
