@@ -107,7 +107,7 @@ docs: .venv/docs/ready
 
 # Asks a public service for advisories, so it needs the network; the packages are not installed for it.
 audit: .venv/docs/ready
-	.venv/docs/bin/pip-audit --strict --disable-pip --require-hashes -r requirements.lock
+	$(BIN)/python workflow/audit.py
 
 container: .venv/ready
 	$(BIN)/python workflow/container.py

@@ -1,10 +1,10 @@
 """The tables and sentences of docs/evidence.md that tell how the forecasts did; evidence.py puts them there."""
 
 import pandas as pd
-from walklab.figures.forest import forecast_name
 
 from walklab.evaluation.score_tables import information
 from walklab.evaluation.subject_scores import OWN_MAP
+from walklab.figures.forest import forecast_name
 from walklab.report.findings import BASELINES, CALIBRATED, EXTENDED, GOAL_HIGH, GOAL_LOW, forecast_findings, realism_findings
 
 # How candidates.csv calls each way of choosing the sharpness -> how the page does.

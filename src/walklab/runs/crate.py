@@ -97,9 +97,7 @@ def _code(folder: Path, ran: Mapping[str, Any], root: Path) -> str:
     here = commit(root)
     if ran.get("id") != here.get("id"):
         made, found = (known.get("id", "no commit")[:12] for known in (ran, here))
-        raise InputError(
-            f"{folder}: made by {made}, but the checkout is at {found}; check that one out and name it with --root"
-        )
+        raise InputError(f"{folder}: made by {made}, but the checkout is at {found}; check that one out and name it with --root")
     if not here:
         return "Packed outside of git: whether this is the code that ran is not known."
     differed = [when for when, known in (("when the run was made", ran), ("when it was packed", here)) if known["dirty"]]

@@ -41,12 +41,15 @@ def tally() -> Iterator[Tally]:
 
 @dataclass(frozen=True)
 class Study:
-    """The study of a project as far as the model, and what it leaves if nothing disturbs it."""
+    """The study of a project as far as the model, or whole, and what it leaves if nothing disturbs it."""
 
     project: Any
     undisturbed: dict[str, str]
+    whole: bool = False
 
-    arguments = ("--cores", "2", *CONFIGURATION, "--until", STAGES[-1])
+    @property
+    def arguments(self) -> tuple[str, ...]:
+        return ("--cores", "2", *CONFIGURATION, *(() if self.whole else ("--until", STAGES[-1])))
 
     @property
     def results(self) -> Path:
@@ -76,7 +79,8 @@ class Study:
                     path.unlink()
 
     def products(self) -> dict[str, str]:
-        return chain(self.project.checksums())
+        files = self.project.checksums()
+        return files if self.whole else chain(files)
 
     def assert_whole(self) -> None:
         """Whatever stands under a product's name is what an undisturbed run writes there."""
@@ -89,6 +93,8 @@ class Study:
         found = checksums.inspect(self.results)
         assert not found.damaged
         assert not found.half_written
+        if self.whole:
+            assert all((self.results / name).is_file() for name in ("report.html", "report.pdf", "run.json"))
 
 
 def chain(files: dict[str, str]) -> dict[str, str]:
@@ -100,6 +106,12 @@ def chain(files: dict[str, str]) -> dict[str, str]:
 def study(project: Any, finished: Any) -> Study:
     """Nothing has been computed yet."""
     return Study(project, chain(finished.checksums()))
+
+
+@pytest.fixture
+def whole_study(project: Any, finished: Any) -> Study:
+    """Nothing has been computed yet, and all of the study is going to be: evaluation, figures and report, too."""
+    return Study(project, finished.checksums(), whole=True)
 
 
 @pytest.fixture

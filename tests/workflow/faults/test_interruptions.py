@@ -15,12 +15,17 @@ from walklab.cli.app import app
 pytestmark = pytest.mark.workflow
 
 
-@pytest.mark.parametrize("kills", [3, pytest.param(20, marks=pytest.mark.slow)])
-def test_a_run_killed_at_random_moments_resumes(study, tally, kills):
+# Kills, what is run, and how many jobs may end before the next kill: twenty kills are to reach the report, too.
+KILLS = [(3, "study", 3), pytest.param(20, "whole_study", 8, marks=pytest.mark.slow)]
+
+
+@pytest.mark.parametrize(("kills", "part", "jobs"), KILLS)
+def test_a_run_killed_at_random_moments_resumes(kills, part, jobs, tally, request):
     """One run is killed again and again until it is done; then the next one, until all kills are spent.
 
     A kill is survived if the run it hit ends like an undisturbed one.
     """
+    study = request.getfixturevalue(part)
     fault = "SIGKILL of the run"
     rng = np.random.default_rng(kills)
     spent = 0
@@ -28,8 +33,7 @@ def test_a_run_killed_at_random_moments_resumes(study, tally, kills):
         in_this_run = 0
         while spent < kills:
             process = study.start()
-            # A moment between the start of Snakemake and the end of the third job from now.
-            study.wait_for_jobs(process, study.finished_jobs() + int(rng.integers(0, 3)))
+            study.wait_for_jobs(process, study.finished_jobs() + int(rng.integers(0, jobs)))
             time.sleep(rng.uniform(0, 2))
             if process.poll() is not None:
                 break
