@@ -64,7 +64,7 @@ def scores(folder):
         scored = all(pd.notna(row["energy_m"]) for row in found)
         energy = " / ".join(f"{row['energy_m']:.3f}" for row in found) if scored else "-"
         holds = "-" if model == OWN_MAP else " / ".join(f"{100 * row['coverage_90']:.1f}" for row in found)
-        name, knows = forecast_name(model), information(model)
+        name, knows = model, information(model)
         rows.append([name, knows, *(bracketed(row, "crps_s") for row in found), energy, holds])
     header = ["forecast", "knows", *(f"CRPS, {name.replace('_', ' ')} (s)" for name in scenarios)]
     return markdown([*header, "energy score, 1 / 2 (m)", "90 % interval holds, 1 / 2 (%)"], rows)
@@ -79,7 +79,7 @@ def split(folder):
     for model in dict.fromkeys(table["model"]):
         found = [keyed.loc[(model, *part)] for part in parts]
         holds = "-" if model == OWN_MAP else " / ".join(f"{100 * row['coverage_90']:.0f}" for row in found)
-        rows.append([forecast_name(model), *(bracketed(row, "crps_s") for row in found), holds])
+        rows.append([model, *(bracketed(row, "crps_s") for row in found), holds])
     sizes = [keyed.xs(part, level=("scenario", "hull")).iloc[0] for part in parts]
     header = [
         f"{scenario.replace('_', ' ')}, {hull} ({int(row['walks'])} walks of {int(row['participants'])} people)"
@@ -118,8 +118,8 @@ def pairs(folder):
     rows = [
         [
             row["scenario"].removeprefix("scenario_"),
-            forecast_name(row["first"]),
-            forecast_name(row["second"]),
+            row["first"],
+            row["second"],
             bracketed(row, "mean_difference_s"),
             f"{row['p_mixed_holm']:.2g}",
             f"{row['p_participants_holm']:.2g}",
@@ -148,9 +148,7 @@ def _significant(table, name):
     for row in table[table[name] < SIGNIFICANT].to_dict("records"):
         ahead = row["mean_difference_s"] > 0
         better, worse = (row["second"], row["first"]) if ahead else (row["first"], row["second"])
-        found.append(
-            f"{forecast_name(better)} before {forecast_name(worse)} in {row['scenario'].replace('_', ' ')} ({row[name]:.2g})"
-        )
+        found.append(f"{better} before {worse} in {row['scenario'].replace('_', ' ')} ({row[name]:.2g})")
     return "; ".join(found) or "nothing"
 
 
@@ -197,7 +195,7 @@ def replicated_findings(folder):
     for scenario, part in table.groupby("scenario", sort=False):
         means = part[(part["measure"] == "crps_s") & part["model"].isin(BASELINES)].set_index("model")["value"]
         best, words = str(means.idxmin()), str(scenario).replace("_", " ").capitalize()
-        text = f"{words}: the best baseline by its mean CRPS is {forecast_name(best)} ({means[best]:.3f} s)."
+        text = f"{words}: the best baseline by its mean CRPS is {best} ({means[best]:.3f} s)."
         for model in (CALIBRATED, EXTENDED):
             found = part[(part["measure"] == "crps_difference_s") & (part["model"] == model) & (part["against"] == best)]
             for row in found.to_dict("records"):

@@ -25,19 +25,21 @@ def pooled(measure: str, model: str, value: float, against: str = "", below_zero
 
 def test_populations_name_the_best_baseline_and_count_who_kept_the_goal(told, tmp_path):
     rows = [
-        pooled("crps_s", "P_Stat", 0.2),
+        pooled("crps_s", "P_Stat with residual spread", 0.2),
         pooled("crps_s", "Gaussian process", 0.15),
         pooled("crps_s", "P_Prob (extended)", 0.1),  # no baseline
         pooled("crps_difference_s", "P_Prob (calibrated)", 0.02, "Gaussian process", 1),
         pooled("crps_difference_s", "P_Prob (extended)", -0.05, "Gaussian process", 3),
-        pooled("crps_difference_s", "P_Prob (extended)", -0.1, "P_Stat", 3),
+        pooled("crps_difference_s", "P_Prob (extended)", -0.1, "P_Stat with residual spread", 3),
     ]
     pd.DataFrame(rows).to_csv(tmp_path / "scores.csv")
     for number, share in enumerate((0.85, 0.9, 0.94)):
         folder = tmp_path / str(number) / "score_forecasts"
         folder.mkdir(parents=True)
         row = {"scenario": "scenario_1", "hull": "all", "model": "P_Prob (calibrated)", "coverage_90": share}
-        pd.DataFrame([row, row | {"hull": "inside"}, row | {"model": "P_Stat"}]).to_csv(folder / "scores.csv")
+        pd.DataFrame([row, row | {"hull": "inside"}, row | {"model": "P_Stat with residual spread"}]).to_csv(
+            folder / "scores.csv"
+        )
     text = told.replicated_findings(tmp_path)
     assert "the best baseline by its mean CRPS is Gaussian process (0.150 s)" in text
     assert "P_Prob (calibrated) loses: +0.020 s [+0.010, +0.030], less in 1 of 3 populations" in text
@@ -62,7 +64,7 @@ def test_real_walks_are_ranked_without_the_error_floor(told, tmp_path):
     names = ["model", "kind", "crps_s", "crps_minus_reference_s", "crps_minus_reference_s_low", "crps_minus_reference_s_high"]
     rows = [
         ("climatology", "forecast", 0.5, 0.0, 0.0, 0.0),
-        ("P_Stat", "forecast", 0.3, -0.2, -0.3, -0.1),
+        ("P_Stat with residual spread", "forecast", 0.3, -0.2, -0.3, -0.1),
         ("task speeds alone", "forecast", 0.2, -0.3, -0.7, 0.1),
         ("best cell", "error floor", 0.01, float("nan"), float("nan"), float("nan")),
     ]
@@ -70,7 +72,7 @@ def test_real_walks_are_ranked_without_the_error_floor(told, tmp_path):
     table.assign(crps_s_low=table["crps_s"], crps_s_high=table["crps_s"]).to_csv(tmp_path / "summary.csv")
     text = told.real(tmp_path)
     assert "47 walks of 10 people. The smallest mean CRPS has task speeds alone." in text
-    assert "excludes zero: P_Stat." in text
+    assert "excludes zero: P_Stat with residual spread." in text
     assert "best cell" not in text
 
 
@@ -78,8 +80,8 @@ def test_significant_pairs_are_told_by_who_is_ahead(told, tmp_path):
     names = ["scenario", "hull", "first", "second", "mean_difference_s", "p_participants_holm", "p_mixed_holm"]
     rows = [
         ("scenario_1", "all", "regression", "P_Prob (extended)", 0.05, 0.01, 0.2),
-        ("scenario_1", "all", "P_Stat", "P_Prob (literal)", -0.1, 0.3, 0.001),
-        ("scenario_1", "inside", "P_Stat", "P_Prob (literal)", -0.1, 0.001, 0.001),
+        ("scenario_1", "all", "P_Stat with residual spread", "P_Prob (literal)", -0.1, 0.3, 0.001),
+        ("scenario_1", "inside", "P_Stat with residual spread", "P_Prob (literal)", -0.1, 0.001, 0.001),
     ]
     table = pd.DataFrame(rows, columns=names).assign(mean_difference_s_low=0, mean_difference_s_high=0, power_are=1)
     table = table.assign(power_participants=1, size_walks=[0.2, 0.4, 0.9], size_participants=0.05)
@@ -102,7 +104,10 @@ def test_scores_are_split_by_the_training_range(told, tmp_path):
     rows = [
         (hull, model, crps, crps, crps, coverage, walks)
         for hull, walks in (("all", 9), ("inside", 3), ("outside", 6))
-        for model, crps, coverage in (("P_Stat", 0.2, 0.5), ("best cell of the walk's own map", walks / 100, 0.0))
+        for model, crps, coverage in (
+            ("P_Stat with residual spread", 0.2, 0.5),
+            ("best cell of the walk's own map", walks / 100, 0.0),
+        )
     ]
     names = ["hull", "model", "crps_s", "crps_s_low", "crps_s_high", "coverage_90", "walks"]
     pd.DataFrame(rows, columns=names).assign(scenario="scenario_1", participants=4).to_csv(tmp_path / "scores.csv")

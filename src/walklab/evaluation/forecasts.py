@@ -34,7 +34,9 @@ from walklab.steering.sharpness import Sharpness
 
 Array = NDArray[np.float64]
 
-STATIC, ADAPTIVE, BARE = "P_Stat", "P_Adapt", "P_Prob without dependencies"
+# P_Stat and P_Adapt give one time each; as forecasts they have the spread of their training residuals, and a name of their own.
+STATIC, ADAPTIVE = "P_Stat with residual spread", "P_Adapt with residual spread"
+BARE = "P_Prob without dependencies"
 LITERAL, CALIBRATED = "P_Prob (literal)", "P_Prob (calibrated)"
 EXTENDED, EXTENDED_EARLIER = "P_Prob (extended)", "P_Prob (extended), earlier walks"
 CLIMATOLOGY, REGRESSION, QUANTILE_REGRESSION = "climatology", "regression", "quantile regression"
@@ -92,6 +94,7 @@ class Asked:
     lengths_m, vectors, participants : (W,), (W, D), (W,)
     suitability, paced_suitability : (W, C) blended maps; those of P_Prob (extended)
     static_s, adaptive_s, own_map_s : (W,) travel times simulated with P_Stat's, P_Adapt's and the walk's own best parameters
+    static_m, adaptive_m, own_map_m : (W,) distances of the trajectories that belong to them from the captured ones
     traces, distances_m : of all cells
     """
 
@@ -104,6 +107,9 @@ class Asked:
     static_s: Array
     adaptive_s: Array
     own_map_s: Array
+    static_m: Array
+    adaptive_m: Array
+    own_map_m: Array
     traces: Traces
     distances_m: NDArray[np.float32]
 
@@ -115,7 +121,11 @@ class Asked:
 
 @dataclass(frozen=True)
 class Forecast:
-    """(W, M) equally likely travel times and, where there are trajectories, their energy score (W,) in metres."""
+    """(W, M) equally likely travel times and, where there are trajectories, their energy score (W,) in metres.
+
+    What gives one trajectory for each walk (P_Stat, P_Adapt, the resolution oracle) is scored as a point: by its distance. The
+    spread of training residuals is one of times and gives no others.
+    """
 
     members_s: Array
     energy_m: Array | None = None
@@ -125,8 +135,8 @@ def all_forecasts(known: Known, asked: Asked, calibration: Calibration, volumes:
     """Every forecast by its name, in the order of the tables."""
     bare = np.tile(known.bare, (len(asked.captured_s), 1))
     found = {
-        STATIC: Forecast(with_residuals(asked.static_s, known.static_residuals_s)),
-        ADAPTIVE: Forecast(with_residuals(asked.adaptive_s, known.adaptive_residuals_s)),
+        STATIC: Forecast(with_residuals(asked.static_s, known.static_residuals_s), asked.static_m),
+        ADAPTIVE: Forecast(with_residuals(asked.adaptive_s, known.adaptive_residuals_s), asked.adaptive_m),
         LITERAL: on_grid(asked, asked.suitability, 1.0, volumes),
         CALIBRATED: on_grid(asked, asked.suitability, calibration.law.exponents(asked.vectors), volumes),
         BARE: on_grid(asked, bare, calibration.bare_exponent, volumes),
@@ -147,9 +157,9 @@ def all_forecasts(known: Known, asked: Asked, calibration: Calibration, volumes:
         REGRESSION_EARLIER: personal_regression(*personal),
         LOG_REGRESSION_EARLIER: linear.after_earlier(*walked),
         QUADRATIC_REGRESSION_EARLIER: quadratic.after_earlier(*walked),
-        OWN_MAP: asked.own_map_s[:, None],
     }
-    return found | {name: Forecast(values) for name, values in members.items()}
+    found |= {name: Forecast(values) for name, values in members.items()}
+    return found | {OWN_MAP: Forecast(asked.own_map_s[:, None], asked.own_map_m)}
 
 
 def effects_before(pace: Pace, asked: Asked, density: Array) -> dict[str, tuple[Array, Array]]:

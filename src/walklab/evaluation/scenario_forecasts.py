@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from walklab.capture.walks import Walk
 from walklab.evaluation.calibration import Calibration
-from walklab.evaluation.forecasts import ADAPTIVE, STATIC, Asked, Forecast, Known, all_forecasts, effects_before, sharpened
+from walklab.evaluation.forecasts import Asked, Forecast, Known, all_forecasts, effects_before, sharpened
 from walklab.evaluation.grid_scores import captured_distances
 from walklab.evaluation.tracing import drawn_energy, trace_walks
 from walklab.geometry import curves
@@ -107,7 +107,7 @@ def asked_walks(
     ----------
     walks : in the order in which each person walked them
     vectors : DataFrame[walk, planned_<dependency>, captured_<dependency>]; the planned ones are read
-    trials : DataFrame[walk, model, simulated_s] of ``P_Stat`` and ``P_Adapt`` at least
+    trials : DataFrame[walk, model, <parameter>, simulated_s] of ``P_Stat`` and ``P_Adapt`` at least
     """
     space, follow = learned.model.space, (learned.standing, learned.time_limit_s)
     names = [str(walk.row["walk"]) for walk in walks]
@@ -116,10 +116,13 @@ def asked_walks(
     # The oracle alone reads the captured walks.
     batch = pack(walks, routes, learned.planner)
     own = score_walks(learned.planner, batch, space.cells, learned.metric, learned.time_limit_s)
-    static_s, adaptive_s = (
-        trials[trials["model"] == name].set_index("walk").loc[names, "simulated_s"].to_numpy(dtype=float)
-        for name in (STATIC, ADAPTIVE)
+    given = [trials[trials["model"] == name].set_index("walk").loc[names] for name in ("P_Stat", "P_Adapt")]
+    static_s, adaptive_s = (rows["simulated_s"].to_numpy(dtype=float) for rows in given)
+    static_m, adaptive_m = (
+        drawn_energy(walks, routes, learned.planner, rows[list(space.names)].to_numpy(dtype=float)[:, None], learned.time_limit_s)
+        for rows in given
     )
+    distances_m, best = captured_distances(traces, places), (np.arange(len(walks)), own.argmin(axis=1))
     return Asked(
         durations(walks),
         route_lengths(walks, routes),
@@ -129,9 +132,12 @@ def asked_walks(
         learned.paced.density_model().blend(asked),
         static_s,
         adaptive_s,
-        traces.travel_s[np.arange(len(walks)), own.argmin(axis=1)].astype(float),
+        traces.travel_s[best].astype(float),
+        static_m,
+        adaptive_m,
+        distances_m[best].astype(float),
         traces,
-        captured_distances(traces, places),
+        distances_m,
     )
 
 

@@ -65,11 +65,12 @@ def drawn_energy(
     r"""Energy score of the trajectories of drawn parameters, :math:`\bar d(x_i, y) - \frac{1}{2} \bar d(x_i, x_j), i \ne j`.
 
     It has noise, but no bias by the number of draws. Distances d are those of
-    :func:`walklab.evaluation.grid_scores.grid_energy`, between places at the same times.
+    :func:`walklab.evaluation.grid_scores.grid_energy`, between places at the same times. One vector for each walk is a point, and
+    the score its distance.
 
     Parameters
     ----------
-    parameters : (W, M, P) drawn for each walk, M > 1
+    parameters : (W, M, P) for each walk
 
     Returns
     -------
@@ -85,7 +86,7 @@ def drawn_energy(
         drawn = np.stack([_places(planner, own[row], task, values, frames, time_limit_s) for values in parameters[row]])
         near = np.sqrt(((drawn - captured[row]) ** 2).sum(axis=2).mean(axis=1))
         apart = np.sqrt(((drawn[:, None] - drawn[None]) ** 2).sum(axis=3).mean(axis=2))
-        scores[row] = near.mean() - 0.5 * apart.sum() / (len(drawn) * (len(drawn) - 1))
+        scores[row] = near.mean() - 0.5 * apart.sum() / max(len(drawn) * (len(drawn) - 1), 1)
     return scores
 
 

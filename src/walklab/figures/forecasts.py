@@ -10,7 +10,7 @@ from matplotlib.figure import Figure, FigureBase
 from matplotlib.lines import Line2D
 from matplotlib.ticker import NullLocator
 
-from walklab.figures.forest import forecast_name, forest_legend, forest_of_scores, name_rows
+from walklab.figures.forest import forest_legend, forest_of_scores, name_rows
 from walklab.figures.style import (
     BLACK,
     DOUBLE_MM,
@@ -108,7 +108,7 @@ def _small_panels(figure: FigureBase, models: list[str], scenarios: list[str], b
     grid = figure.subplots(_rows(models), COLUMNS, sharex=True, sharey=True, squeeze=False).ravel()
     for number, ax in enumerate(grid):
         if number < len(models):
-            title = model_label(forecast_name(models[number])).replace(" with", "\nwith").replace(", earlier", ",\nearlier")
+            title = model_label(models[number]).replace(" with", "\nwith").replace(", earlier", ",\nearlier")
             ax.set_title(title, loc="center", fontsize=6.5, linespacing=1.0)
             ax.xaxis.set_tick_params(labelbottom=number + COLUMNS >= len(models))
         else:

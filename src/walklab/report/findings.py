@@ -14,7 +14,6 @@ from walklab.evaluation.forecasts import (
     EXTENDED_EARLIER,
 )
 from walklab.evaluation.paired_tests import BASELINES, BASELINES_EARLIER
-from walklab.figures.forest import forecast_name
 
 Row = dict[Hashable, Any]
 
@@ -43,11 +42,9 @@ def forecast_findings(scores: pd.DataFrame | None, tests: pd.DataFrame | None) -
             continue
         best = min((name for name in BASELINES if name in rows), key=lambda name: rows[name]["crps_s"])
         learned = [name for name in (CALIBRATED, EXTENDED) if name in rows]
-        opening = (
-            f"{_words(scenario)}: the best baseline that knows only the task is {forecast_name(best)} (CRPS {_crps(rows[best])})"
-        )
+        opening = f"{_words(scenario)}: the best baseline that knows only the task is {best} (CRPS {_crps(rows[best])})"
         sentences = [f"{name} has {_crps(rows[name])}{_against(tests, scenario, rows, best, name)}" for name in learned]
-        leans = [f"{rows[name]['bias_s']:+.2f} s ({forecast_name(name)})" for name in (best, *learned)]
+        leans = [f"{rows[name]['bias_s']:+.2f} s ({name})" for name in (best, *learned)]
         found.append(". ".join([opening, *sentences, f"Mean forecast minus captured time: {', '.join(leans)}."]))
     return found + _informed(scenarios, tests) + _coverage(scenarios)
 

@@ -272,6 +272,7 @@ def study(seed: int = 5) -> tuple[Known, Asked, np.ndarray]:
         asked.suitability,
         asked.suitability,
         *times,
+        *np.abs(times),
         asked.traces,
         asked.distances_m,
     )

@@ -154,6 +154,9 @@ def test_times_maps_and_vectors_are_each_walks_own(learned: Learned, asked_for: 
     np.testing.assert_array_equal(asked.suitability[3], learned.model.blend(asked.vectors)[3])
     # Each walk was made with a = 1 and a speed between cells: its own map's best cell takes about as long.
     np.testing.assert_allclose(asked.own_map_s, asked.captured_s, atol=0.5)
+    # The trajectory that goes with it is near the captured one; one vector for everybody is farther off.
+    assert asked.own_map_m.mean() < 0.5 * asked.static_m.mean()
+    assert (asked.static_m != asked.adaptive_m).any()
 
 
 def test_the_extended_models_energy_score_is_of_its_own_draws(learned: Learned, asked_for: list[Walk]) -> None:

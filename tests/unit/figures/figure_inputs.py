@@ -163,7 +163,7 @@ def forecast_scores() -> pd.DataFrame:
         for scenario in ("scenario_1", "scenario_2")
         for hull in ("all", "inside")
         for model, info in (
-            ("P_Stat", "task"),
+            ("P_Stat with residual spread", "task"),
             ("P_Prob (calibrated)", "task"),
             ("regression, earlier walks", "task and earlier walks"),
         )
@@ -196,7 +196,7 @@ def counted_claims() -> pd.DataFrame:
 
 
 def pooled_scores() -> pd.DataFrame:
-    models = ("P_Stat", "P_Prob (calibrated)", "P_Prob (extended)", "regression, earlier walks")
+    models = ("P_Stat with residual spread", "P_Prob (calibrated)", "P_Prob (extended)", "regression, earlier walks")
     keys = ["scenario", "hull", "measure", "model", "information", "against"]
     rows = [
         (scenario, "all", measure, model, "task" if "earlier" not in model else "task and earlier walks", "")
