@@ -121,9 +121,13 @@ def _recorded(path: Path) -> set[str]:
 
     More than one if another configuration had it written by another rule, whose manifest is still there.
     """
-    # A job's log lies beside its products or one folder above; tables and figures are shown at the top of a run instead.
+    # A job's log lies beside its products or one folder above; what is shown at the top of a run has it in the folder of its stage.
     folders = (path.parent, path.parent.parent)
-    manifests = [*(folder / MANIFEST for folder in folders), *(m for f in folders for m in f.glob(f"0/*/{MANIFEST}"))]
+    beside = _named([folder / MANIFEST for folder in folders], path)
+    return beside or _named([m for f in folders for stages in ("0/*", "*") for m in f.glob(f"{stages}/{MANIFEST}")], path)
+
+
+def _named(manifests: Iterable[Path], path: Path) -> set[str]:
     return {
         expected
         for manifest in manifests

@@ -64,6 +64,19 @@ def test_a_file_that_no_job_wrote_is_not_verified(run):
     checksums.verify([run / "own.csv"])
 
 
+@pytest.mark.parametrize("name", ["specifications.csv", "figures/specification_curve.svg"])
+def test_what_a_stage_without_replicates_shows_at_the_top_is_verified_too(name, tmp_path):
+    product, stage = tmp_path / name, tmp_path / "collect_specifications"
+    stage.mkdir()
+    product.parent.mkdir(exist_ok=True)
+    product.write_text("whole")
+    checksums.record([product], stage)
+    checksums.verify([product])
+    product.write_text("damaged")
+    with pytest.raises(InputError, match=f"{name}: damaged"):
+        checksums.verify([product])
+
+
 def test_a_product_that_another_rule_writes_now_is_no_damage(run):
     (run / "0/publish_scores").mkdir()
     (run / "claims.csv").write_text("id\n2\n")
