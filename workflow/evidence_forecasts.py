@@ -4,7 +4,6 @@ import pandas as pd
 
 from walklab.evaluation.score_tables import information
 from walklab.evaluation.subject_scores import OWN_MAP
-from walklab.figures.forest import forecast_name
 from walklab.report.findings import BASELINES, CALIBRATED, EXTENDED, GOAL_HIGH, GOAL_LOW, forecast_findings, realism_findings
 
 # How candidates.csv calls each way of choosing the sharpness -> how the page does.

@@ -74,10 +74,10 @@ def grid_energy(
     r"""Energy score :math:`E d(X, y) - \frac{1}{2} E d(X, X')` of the trajectory, d as in :func:`captured_distances`; metres.
 
     The first term is summed over all cells. The second is the mean over n pairs of cells, at the quantiles ``(k + 1/2) / 2n`` of
-    the travel time, each of which has a part once: ``k = 2 i`` beside ``k = 2 g i + 1 mod 2n``. That is a Fibonacci lattice, n and
-    g being neighbouring Fibonacci numbers, which covers the square of two independent draws evenly (Sloan & Joe 1994, Lattice
-    Methods for Multiple Integration, section 1.3). With so many cells it hardly matters which one stands for a quantile, and the
-    score is smooth in the density; all pairs of cells would cost a thousand times as much.
+    the travel time, each of which has a part once: ``k = 2 i`` beside ``k = 2 g i + 1 mod 2n``. That is a Fibonacci lattice,
+    n and g being neighbouring Fibonacci numbers, which covers the square of two independent draws evenly (Sloan & Joe 1994,
+    Lattice Methods for Multiple Integration, section 1.3). With so many cells it hardly matters which one stands for a quantile,
+    and the score is smooth in the density; all pairs of cells would cost a thousand times as much.
 
     Parameters
     ----------

@@ -16,11 +16,6 @@ GOAL = (0.86, 0.94)  # of the 90 % interval
 LABELS = {"crps_s": "CRPS (s)", "coverage_90": "walks inside the\n90 % interval (1)"}
 
 
-def forecast_name(model: str) -> str:
-    """A forecast's name as it is read: the two models that give one time have the spread of their training residuals here."""
-    return f"{model} with residual spread" if model in ("P_Stat", "P_Adapt") else model
-
-
 def forest(ax: Axes, rows: pd.DataFrame, models: list[str], scenarios: list[str], column: str = "model") -> None:
     """A line from low to high and a marker at the value, at the height of the row's model.
 
@@ -54,7 +49,7 @@ def forest_of_scores(ax: Axes, rows: pd.DataFrame, measure: str, models: list[st
 
 def name_rows(ax: Axes, models: list[str]) -> None:
     """The forecasts' names at the left, the first on top."""
-    names = ["best cell of own map (oracle)" if model == ORACLE else model_label(forecast_name(model)) for model in models]
+    names = ["best cell of own map (oracle)" if model == ORACLE else model_label(model) for model in models]
     ax.set_yticks(range(len(models)), names)
     ax.set_ylim(len(models) - 0.4, -0.6)
 
