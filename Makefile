@@ -61,7 +61,8 @@ multiverse: .venv/ready
 test: .venv/ready .venv/tracking .venv/validator/ready
 	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder -m "not slow"
 
-test-all: .venv/ready .venv/tracking .venv/validator/ready
+# With the simulators, so that the examples that use them run.
+test-all: .venv/ready .venv/tracking .venv/validator/ready .venv/peers/ready
 	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder
 
 # One core where a row says so, and the BLAS kernels that the processor wants: neither may slow a baseline.

@@ -25,6 +25,7 @@ from walklab.steering.training import TrainingSettings, train
 _AXIS = {"start": 0.1, "step": 0.21, "count": 10}
 PAPER_SPACE = [{"name": name, "unit": unit, **_AXIS} for name, unit in (("v", "m/s"), ("a", "m/s²"), ("omega", "1/m"))]
 STEP_S = 1 / 60
+ROUNDING = 1e-9  # the curvature of a straight path comes out as 1e-17 or so, which would be shown as a range of training
 DEPENDENCIES = ("length", "curvature", "height")
 
 
@@ -66,6 +67,7 @@ def fit_walks(
     scores = score_walks(planner, pack(walks, routes, planner), grid.cells)
     rows = pd.DataFrame([walk.row for walk in walks])
     vectors = dependency_vectors(rows, routes, dependencies).reset_index(drop=True)
+    vectors = vectors.mask(vectors.abs() < ROUNDING, 0.0)
     chosen = TrainingSettings(count=None) if settings is None else settings
     chosen = replace(chosen, k=min(chosen.k, chosen.count or len(walks)))
     people = rows["participant"].tolist()

@@ -9,13 +9,16 @@ from typing import Any
 import numpy as np
 import pandas as pd
 from numpy.typing import ArrayLike, NDArray
+from shapely import union_all
 
 from walklab.errors import InputError
+from walklab.geometry.collisions import through
 from walklab.geometry.scene import Body, Scene, Task
 from walklab.geometry.standing import Standing
 from walklab.planning.durations import trajectory_travel_time_s
 from walklab.planning.path_following import PathFollowing
 from walklab.planning.protocol import Arrival, Planner, Trajectory
+from walklab.steering.arguments import count_of
 from walklab.steering.dependencies import DEPENDENCIES, dependency_vectors
 from walklab.steering.probabilistic import ProbabilisticModel
 
@@ -37,6 +40,7 @@ class DrawnWalks:
     parameters : (n, P)
     trajectories : one per variant
     travel_times_s : (n,); inf where the walk did not end within the time limit
+    collided : (n,) whether the centre of the body went through an obstacle
     """
 
     names: tuple[str, ...]
@@ -47,17 +51,26 @@ class DrawnWalks:
     parameters: Array
     trajectories: tuple[Trajectory, ...]
     travel_times_s: Array
+    collided: NDArray[np.bool_]
+
+    @property
+    def missed(self) -> NDArray[np.bool_]:
+        """(n,) whether a walk went by the end, out of reach of it, though it came to the end of the route."""
+        return np.array([walk.arrival == Arrival.PASSED for walk in self.trajectories])
 
     def quantiles(self, levels: Sequence[float]) -> Array:
-        """Travel times (s) that a share ``levels`` of the variants does not exceed; inf where too few end in time."""
+        """Travel times (s) that a share ``levels`` of the variants does not exceed; inf where too few end in time.
+
+        Walks that missed the end or went through an obstacle count like the others; see :attr:`missed` and :attr:`collided`.
+        """
         return np.quantile(self.travel_times_s, levels, method="inverted_cdf")
 
     def table(self) -> pd.DataFrame:
-        """A row per variant: draw, one column per parameter, travel_time_s and arrival."""
+        """A row per variant: draw, one column per parameter, travel_time_s, arrival and collided."""
         table = pd.DataFrame(self.parameters, columns=list(self.names))
         table.insert(0, "draw", np.arange(len(table)))
         arrivals = [trajectory.arrival.name.lower() for trajectory in self.trajectories]
-        return table.assign(travel_time_s=self.travel_times_s, arrival=arrivals)
+        return table.assign(travel_time_s=self.travel_times_s, arrival=arrivals, collided=self.collided)
 
 
 def simulate(
@@ -89,6 +102,7 @@ def simulate(
         raise InputError(
             f"parameters of shape {values.shape}: needed are {', '.join(walker.parameters)}, one vector or one per row"
         )
+    _check_limit(time_limit_s)
     route = walker.route(scene, task, Body() if body is None else body)
     if values.ndim == 1:
         return walker.follow(route, task, values, time_limit_s)
@@ -143,15 +157,23 @@ def simulate_draws(
     walker = PathFollowing(parameters=model.names) if planner is None else planner
     if tuple(walker.parameters) != model.names:
         raise InputError(f"the planner takes {', '.join(walker.parameters)}, the model draws {', '.join(model.names)}")
-    if draws < 1:
+    if count_of(draws) < 1:
         raise InputError(f"draws = {draws}: must be at least 1")
+    _check_limit(time_limit_s)
     route = walker.route(scene, task, Body() if body is None else body)
     vector = task_vector(model, route, task, **dependencies)
     parameters = model.sample(vector, draws, rng)
     walks = tuple(walker.follow(route, task, values, time_limit_s) for values in parameters)
     threshold = (standing or Standing()).standing_speed_m_s
     times = [np.inf if walk.arrival == Arrival.TIMEOUT else trajectory_travel_time_s(walk, task, threshold) for walk in walks]
-    return DrawnWalks(model.names, model.units, vector, bool(model.inside(vector)[0]), route, parameters, walks, np.array(times))
+    collided = through(union_all(list(scene.obstacles.values())), [walk.positions_m for walk in walks])
+    inside = bool(model.inside(vector)[0])
+    return DrawnWalks(model.names, model.units, vector, inside, route, parameters, walks, np.array(times), collided)
+
+
+def _check_limit(time_limit_s: float) -> None:
+    if not 0 < time_limit_s < np.inf:
+        raise InputError(f"time_limit_s = {time_limit_s}: give a number of seconds above 0")
 
 
 def travel_time_quantiles(

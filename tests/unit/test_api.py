@@ -8,10 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from shapely import box
+from shapely import Point, box
 
 import walklab
 from walklab import (
+    Body,
     InputError,
     OutsideTrainingRange,
     ProbabilisticModel,
@@ -213,7 +214,7 @@ def test_travel_times_of_drawn_walks(model):
     assert walks.vector[2] == 1.78
     assert walks.inside
     table = walks.table()
-    assert list(table) == ["draw", "v", "a", "omega", "travel_time_s", "arrival"]
+    assert list(table) == ["draw", "v", "a", "omega", "travel_time_s", "arrival", "collided"]
     low, middle, high = walks.quantiles((0.05, 0.5, 0.95))
     assert low < middle < high
     assert (table["travel_time_s"] <= middle).mean() == pytest.approx(0.5, abs=0.02)
@@ -223,6 +224,29 @@ def test_travel_times_of_drawn_walks(model):
     assert np.isinf(hurried.quantiles((0.9,)))
     with pytest.raises(InputError, match="height"):
         simulate_draws(model, HALL, WALK, 2)
+
+
+def test_walks_that_miss_the_end_or_go_through_an_obstacle_are_told(model):
+    # So thin a body passes close by the machine, and whoever turns slowly goes through it.
+    walks = simulate_draws(model, HALL, WALK, 60, np.random.default_rng(0), height=1.78, body=Body(0.02))
+    table = walks.table()
+    assert np.array_equal(walks.missed, table["arrival"] == "passed")
+    machine = HALL.obstacles["machine"]
+    inside = [any(machine.contains(Point(at)) for at in walk.positions_m) for walk in walks.trajectories]
+    # Between two samples a corner may be cut without a sample inside.
+    assert walks.collided.sum() >= sum(inside) > 0
+    assert not any(deep and not told for deep, told in zip(inside, walks.collided, strict=True))
+    straight = simulate_draws(model, Scene("open"), WALK, 5, np.random.default_rng(0), height=1.78)
+    assert not straight.collided.any()
+    assert not straight.missed.any()
+
+
+@pytest.mark.parametrize("limit_s", [-1.0, 0.0, np.nan, np.inf])
+def test_a_time_limit_that_is_none_is_refused(model, limit_s):
+    with pytest.raises(InputError, match=r"time_limit_s = .*: give a number of seconds above 0"):
+        simulate(HALL, WALK, [1.2, 1.0, 3.0], time_limit_s=limit_s)
+    with pytest.raises(InputError, match="time_limit_s"):
+        simulate_draws(model, HALL, WALK, 2, height=1.78, time_limit_s=limit_s)
 
 
 HEAVY = ("xarray", "pandas", "sklearn", "pandera", "matplotlib", "snakemake", "shapely", "safetensors", "seaborn", "h5py")

@@ -57,6 +57,17 @@ def test_fitting_with_either_basis(model, tmp_path):
     assert (fast.interpolant.name, fast.k) == ("multilinear", 4)
 
 
+def test_fitting_without_a_column_of_times(model, tmp_path):
+    table = pd.read_csv(ROOT / "examples/own_walks.csv")
+    step_s = float(np.median(np.diff(table["time_s"])))
+    table.drop(columns="time_s").to_csv(tmp_path / "w.csv", index=False)
+    run("fit", tmp_path / "w.csv", "-o", tmp_path / "m", *COLUMNS, "--rate-hz", 1 / step_s)
+    rated, timed = ProbabilisticModel.load(tmp_path / "m"), ProbabilisticModel.load(model)
+    assert rated.blending.vectors == pytest.approx(timed.blending.vectors, rel=1e-6)
+    assert (timed.blending.vectors[:, 1] == 0).all(), "straight paths have no curvature, not one of 1e-17"
+    assert "column time_s" in complaint("fit", tmp_path / "w.csv", "-o", tmp_path / "m", *COLUMNS)
+
+
 def test_sampling_prints_a_table_with_units(model):
     asked = ["--length", 2.5, "--curvature", 0, "--height", 1.75, "--size", 3]
     lines = run("sample", model, *asked, "--seed", 1).stdout.splitlines()
@@ -82,8 +93,11 @@ def test_simulating_writes_table_picture_and_animation(model, tmp_path):
     said = run(*arguments, "-o", tmp_path, "--seed", 0).stdout
     assert said.startswith("travel time: median ")
     table = pd.read_csv(tmp_path / "variants.csv")
-    assert list(table) == ["draw", "v", "a", "omega", "travel_time_s", "arrival"]
+    assert list(table) == ["draw", "v", "a", "omega", "travel_time_s", "arrival", "collided"]
     assert len(table) == 12
+    missed, collided = (table["arrival"] == "passed").sum(), table["collided"].sum()
+    assert f"of 12 variants {missed} missed the end and {collided} went through an obstacle" in said
+    assert missed + collided > 0, "a walk that tests nothing of this"
     for name, frames in (("variants.png", 1), ("variants.gif", 10)):
         with Image.open(tmp_path / name) as picture:
             assert getattr(picture, "n_frames", 1) >= frames
@@ -107,6 +121,14 @@ def test_bad_input_is_one_line_and_exit_code_2(model, tmp_path):
     (tmp_path / "torn").write_bytes(model.read_bytes()[:1000])
     assert "not a walklab model file" in complaint("sample", tmp_path / "torn", "--length", 2)
     assert "no station 'cr' (it has car," in complaint("simulate", SCENE, "-m", model, "--from", "cr", "--to", "rack_1")
+    walk = ["simulate", SCENE, "-m", model, "--to", "rack_1", "--height", 1.8, "-o", tmp_path]
+    assert "position (nan, 0.0)" in complaint(*walk, "--from", "nan,0")
+    assert "time_limit_s = -1.0" in complaint(*walk, "--from", "car", "--time-limit", -1)
+    assert "body radius -0.1" in complaint(*walk, "--from", "car", "--body-radius", -0.1)
+    assert "train the model again" not in complaint("sample", tmp_path / "nofile", "--length", 2)
+    assert "height is -1.8; it cannot be below 0" in complaint(*walk[:-3], -1.8, "--from", "car", "-o", tmp_path)
+    (tmp_path / "list.yaml").write_text("obstacles: [1, 2]")
+    assert "list.yaml: obstacles: give each a name" in complaint("simulate", tmp_path / "list.yaml", *walk[2:], "--from", "0,0")
     assert "no.yaml" in complaint("simulate", "no.yaml", "-m", model, "--from", "a", "--to", "b")
     assert "column participant" in complaint("fit", ROOT / "examples/own_walks.csv", "-o", tmp_path / "m")
     assert "there is no 'quintic'" in complaint("fit", ROOT / "examples/own_walks.csv", *COLUMNS, "--basis", "quintic")

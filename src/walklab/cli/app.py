@@ -49,8 +49,9 @@ def fit(
     walks: Annotated[Path, typer.Argument(metavar="WALKS", help="Table of positions over time, CSV or Parquet.")],
     output: Annotated[Path, typer.Option("--output", "-o", help="Model file to write.")] = Path("model.safetensors"),
     participant: Annotated[str, typer.Option(help="Column of who walked.")] = "participant",
-    walk: Annotated[str, typer.Option(help="Column that tells one person's walks apart.")] = "walk",
-    time: Annotated[str, typer.Option(help="Column of times.")] = "time_s",
+    walk: Annotated[str, typer.Option(help="Column that tells one person's walks apart; '' if each walked once.")] = "walk",
+    time: Annotated[str | None, typer.Option(help="Column of times; time_s unless --rate-hz is given.")] = None,
+    rate_hz: Annotated[float | None, typer.Option(help="Frames per second, where there is no column of times.")] = None,
     x: Annotated[str, typer.Option(help="Column of x.")] = "x_m",
     y: Annotated[str, typer.Option(help="Column of y.")] = "y_m",
     height: Annotated[str, typer.Option(help="Column of body heights.")] = "height_m",
@@ -62,15 +63,20 @@ def fit(
     exponent: Annotated[float, typer.Option(help="Sharpness of the density; 1 is the paper's.")] = 1.0,
     entries: Annotated[int | None, typer.Option(help="Up-sample to this many maps; none: the captured ones.")] = None,
 ) -> None:
-    """Train a model on captured walks (see docs/own-walks.md for the table)."""
+    """Train a model on captured walks (see docs/own-walks.md for the table).
+
+    Walks around obstacles are not read here: every walk is taken to be in the open, so its planned path is straight and
+    curvature is no dependency to learn. Where there is a scene column, use config/own.yaml or walklab.fitting.fit_walks.
+    """
     from walklab.capture.own import OwnColumns
     from walklab.fitting import fit_walks
     from walklab.steering.training import TrainingSettings
 
-    columns = OwnColumns(participant, walk, time, x, y, height)
+    time_column = time or ("time_s" if rate_hz is None else None)
+    columns = OwnColumns(participant, walk or None, time_column, x, y, height)
     settings = TrainingSettings(count=entries, basis=basis, k=neighbours, exponent=exponent)  # type: ignore[arg-type]
     units = {"length_unit": length_unit, "height_unit": height_unit, "time_unit": time_unit}
-    model = fit_walks(walks, columns, settings=settings, **units)  # type: ignore[arg-type]
+    model = fit_walks(walks, columns, settings=settings, rate_hz=rate_hz, **units)  # type: ignore[arg-type]
     model.save(output)
     typer.echo(f"{output}: {model.provenance['walks']} walks of {model.provenance['participants']} people")
 
@@ -130,6 +136,8 @@ def simulate(
         animate_variants(walks, plan.scene, output / "variants.gif")
     low, middle, high = walks.quantiles((0.05, 0.5, 0.95))
     typer.echo(f"travel time: median {middle:.2f} s, 90 % of the variants between {low:.2f} and {high:.2f} s")
+    missed, collided = int(walks.missed.sum()), int(walks.collided.sum())
+    typer.echo(f"of {draws} variants {missed} missed the end and {collided} went through an obstacle; they are counted in")
 
 
 def _place(text: str, stations: dict[str, tuple[float, float]], scene: Path) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from walklab.capture.walks import Walk
 from walklab.errors import InputError
+from walklab.geometry.collisions import through
 from walklab.geometry.scene import Scene, Task
 from walklab.geometry.standing import Standing
 from walklab.planning.batch import resample_time
@@ -134,18 +135,15 @@ def _obstacles(walks: Sequence[Walk], scenes: Mapping[str, Scene]) -> tuple[dict
         if name not in scenes:
             raise InputError(f"walk {walk.row['walk']}: column scene: '{name}' is not among the plan views {sorted(scenes)}")
     obstacles = {str(name): shapely.union_all(list(scenes[str(name)].obstacles.values())) for name in np.unique(names)}
-    shapely.prepare(list(obstacles.values()))
     return obstacles, names
 
 
 def _collided(paths: Sequence[Array], obstacles: Mapping[str, shapely.Geometry], names: NDArray[np.str_]) -> Flags:
     """Whether each path has a part of its length inside the obstacles of its scene; touching an outline is none."""
-    # A path of one point has no length and crosses nothing.
-    lines = np.array([shapely.linestrings(path) if len(path) > 1 else shapely.LineString() for path in paths])
     collided = np.zeros(len(paths), dtype=bool)
     for name, geometry in obstacles.items():
-        chosen = names == name
-        collided[chosen] = shapely.crosses(geometry, lines[chosen]) | shapely.contains(geometry, lines[chosen])
+        chosen = np.flatnonzero(names == name)
+        collided[chosen] = through(geometry, [paths[row] for row in chosen])
     return collided
 
 
