@@ -121,7 +121,7 @@ def _recorded(path: Path) -> set[str]:
 
     More than one if another configuration had it written by another rule, whose manifest is still there.
     """
-    # A job's log lies beside its products or one folder above; what is shown at the top of a run has it in the folder of its stage.
+    # A job's log lies beside its products or one folder above; what is shown at the top of a run, in its stage's folder.
     folders = (path.parent, path.parent.parent)
     beside = _named([folder / MANIFEST for folder in folders], path)
     return beside or _named([m for f in folders for stages in ("0/*", "*") for m in f.glob(f"{stages}/{MANIFEST}")], path)
