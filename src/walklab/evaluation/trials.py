@@ -143,7 +143,7 @@ def _collided(paths: Sequence[Array], obstacles: Mapping[str, shapely.Geometry],
     collided = np.zeros(len(paths), dtype=bool)
     for name, geometry in obstacles.items():
         chosen = np.flatnonzero(names == name)
-        collided[chosen] = through(geometry, [paths[row] for row in chosen])
+        collided[chosen] = through(geometry, [paths[row] for row in chosen.tolist()])
     return collided
 
 
