@@ -34,6 +34,8 @@ MEASURES = {
     "fall_time": "s",
 }
 SHAPE, PEAK = ("lateral_excursion", "excess_length", "curvature"), ("peak_speed",)
+PROFILES = ("start_profile", "stop_profile")  # of speed, as shares of its top; for the figure alone
+PROFILE_AT = np.linspace(0, 1, 21)  # shares of the time from a tenth to nine tenths of the top, or back
 GAIT, RAMPS = ("speed_swing", "lateral_sway"), ("rise_time", "fall_time")
 # By the straight distance from start to end; the recorded distances leave 2.25 to 3 m empty.
 DISTANCE_EDGES_M = (0.4, 1.25, 2.25, 3.0, 3.75, 4.5)
@@ -50,13 +52,14 @@ PATH_SCALE_M = 0.1  # smoothing of every path before it is measured
 
 @dataclass(frozen=True)
 class Sample:
-    """One measure of some walks: values, the straight distance of each, and where they come from."""
+    """One measure of some walks: values, the straight distance of each, where they come from; of a profile, its place."""
 
     measure: str
     value: Array
     distance_m: Array
     source: str
     group: str
+    at: float = np.nan
 
 
 def path_measures(path_m: Array) -> tuple[float, float, float]:
@@ -89,8 +92,20 @@ def gait_measures(position_m: Array, step_s: float) -> tuple[float, float]:
 
 def rise_time(speed: Array, step_s: float, top: float | None = None) -> float:
     """From a tenth to nine tenths of the largest speed (or of ``top``), s; speed is averaged over one step first."""
+    first, last, _ = _rise(speed, top)
+    return float(last - first) * step_s
+
+
+def rise_profile(speed: Array, top: float | None = None) -> tuple[float, ...]:
+    """Speed over its top (1) at equal shares of the time of :func:`rise_time`: the shape of a start, whatever its pace."""
+    first, last, top = _rise(speed, top)
+    return tuple(np.interp(first + PROFILE_AT * (last - first), np.arange(len(speed)), speed) / top)
+
+
+def _rise(speed: Array, top: float | None) -> tuple[int, int, float]:
+    """Frames at a tenth and at nine tenths of the top, and the top."""
     top = float(speed.max()) if top is None else top
-    return float(np.argmax(speed >= min(0.9 * top, speed.max())) - np.argmax(speed >= 0.1 * top)) * step_s
+    return int(np.argmax(speed >= 0.1 * top)), int(np.argmax(speed >= min(0.9 * top, speed.max()))), top
 
 
 def _even_steps(walk: Walk) -> float:
@@ -104,6 +119,19 @@ def _columns(
     return [Sample(name, table[:, column], distance_m, source, group) for column, name in enumerate(names)]
 
 
+def _profiles(
+    starts_and_stops: Iterable[tuple[Array, Array]], distance_m: Array, source: str, group: str, top: float | None = None
+) -> list[Sample]:
+    """Profiles of starts and of stops, these backwards in time: a sample for each of ``PROFILE_AT``."""
+    both = [[rise_profile(speed, top) for speed in ramps] for ramps in starts_and_stops]
+    table = np.array(both, dtype=float).reshape(-1, len(PROFILES), len(PROFILE_AT))
+    return [
+        Sample(name, table[:, number, place], distance_m, source, group, float(at))
+        for number, name in enumerate(PROFILES)
+        for place, at in enumerate(PROFILE_AT)
+    ]
+
+
 def synthetic_samples(walks: Sequence[Walk]) -> list[Sample]:
     """Everything that is measured on captured walks of experiment 1."""
     straight = [walk for walk in walks if str(walk.row["configuration"]).startswith("straight")]
@@ -115,15 +143,22 @@ def synthetic_samples(walks: Sequence[Walk]) -> list[Sample]:
         *_columns(PEAK, ((float(_speeds(walk).max()),) for walk in direct), _distances(direct), *origin),
         *_columns(GAIT, (gait_measures(walk.position_m, _step_s(walk)) for walk in steady), _distances(steady), *origin),
         *_columns(RAMPS, (_rise_and_fall(walk) for walk in steady), _distances(steady), *origin),
+        *_profiles((_start_and_stop(walk) for walk in steady), _distances(steady), *origin),
     ]
 
 
 def _rise_and_fall(walk: Walk) -> tuple[float, float]:
+    start, stop = _start_and_stop(walk)
+    return rise_time(start, _step_s(walk)), rise_time(stop, _step_s(walk))
+
+
+def _start_and_stop(walk: Walk) -> tuple[Array, Array]:
+    """Speed averaged over a step, m/s, forwards and backwards in time."""
     step_s = _step_s(walk)
     # A person stands before and after the walk: the mean over a step reaches into these moments.
     still = np.zeros(round(STEP_S / step_s))
     speed = step_mean(np.concatenate([still, _speeds(walk), still]), len(still))
-    return rise_time(speed, step_s), rise_time(speed[::-1], step_s)
+    return speed, speed[::-1]
 
 
 def _speeds(walk: Walk) -> Array:
@@ -170,15 +205,26 @@ def gait_samples(walks: Sequence[Walk]) -> list[Sample]:
 
 
 def ramp_samples(ramps: Ramps, distance_m: float = 20.0) -> list[Sample]:
-    """Rise and fall time of one person's walk over 20 m, of its cruising speed."""
-    measured = tuple(rise_time(ramp, ramps.step_s, 1 / REACHED) for ramp in (ramps.start, ramps.stop[::-1]))
-    return _columns(RAMPS, [measured], np.array([distance_m]), "gaitmap", "recorded")
+    """Rise and fall of one person's walk over 20 m, of its cruising speed: times and profiles."""
+    both, top = (ramps.start, ramps.stop[::-1]), 1 / REACHED
+    measured = tuple(rise_time(ramp, ramps.step_s, top) for ramp in both)
+    origin = np.array([distance_m]), "gaitmap", "recorded"
+    return [*_columns(RAMPS, [measured], *origin), *_profiles([both], *origin, top=top)]
 
 
 def value_table(samples: Iterable[Sample]) -> pd.DataFrame:
-    """Every value, for the figure: DataFrame[quantity, group, source, distance_m, value]."""
+    """Every value, for the figure: DataFrame[quantity, group, source, at (NaN but of profiles), distance_m, value]."""
     frames = [
-        pd.DataFrame({"quantity": s.measure, "group": s.group, "source": s.source, "distance_m": s.distance_m, "value": s.value})
+        pd.DataFrame(
+            {
+                "quantity": s.measure,
+                "group": s.group,
+                "source": s.source,
+                "at": s.at,
+                "distance_m": s.distance_m,
+                "value": s.value,
+            }
+        )
         for s in samples
     ]
     return pd.concat(frames, ignore_index=True)

@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
 
 from walklab.figures.style import DOUBLE_MM, SET_COLOURS, letter, new_figure, plain_log_axis, require, spread, styled
 
 SYNTHETIC, RECORDED = SET_COLOURS[0], SET_COLOURS[1]
+PROFILES = {"start_profile": "start", "stop_profile": "stop"}
+SHOWN_SPEED_M_S = 2.6  # just above the fastest gait: what lies beyond is a spike of the recording, and is counted
 SPIKED = "recorded, subjects with spikes"
 BY_DISTANCE = {
     "lateral_excursion": "lateral excursion (m)",
@@ -27,31 +32,35 @@ BY_PERSON = {
 
 @styled
 def fig_realism(values: pd.DataFrame) -> Figure:
-    """Path shape and peak speed by distance; gait and start-up.
+    """Path shape and peak speed by distance; gait, and how speed rises and falls.
 
     Parameters
     ----------
-    values : DataFrame[quantity, group, source, distance_m, value]; group is synthetic, recorded or recorded with spikes
+    values : DataFrame[quantity, group, source, at (of profiles), distance_m, value]; group is synthetic, recorded or recorded
+        with spikes
     """
-    require(values, ["quantity", "group", "source"], "fig_realism", ["distance_m", "value"])
-    figure = new_figure(DOUBLE_MM, 92)
+    require(values, ["quantity", "group", "source", "at"], "fig_realism", ["distance_m", "value"])
+    figure = new_figure(DOUBLE_MM, 98)
     panels = figure.subplots(2, 4).ravel()
     for index, (quantity, label) in enumerate(BY_DISTANCE.items()):
-        _by_distance(panels[index], values[values["quantity"] == quantity])
+        note = _by_distance(panels[index], values[values["quantity"] == quantity])
         panels[index].set_ylabel(label)
         panels[index].set_xlabel("distance (m)")
-        letter(panels[index], index)
+        letter(panels[index], index, note)
         if quantity in ("excess_length", "curvature"):
             plain_log_axis(panels[index], 10.0)
     for index, (title, (label, measures)) in enumerate(BY_PERSON.items(), start=len(BY_DISTANCE)):
         _by_person(panels[index], values, measures, 100.0 if "(cm)" in label else 1.0)
         panels[index].set_ylabel(label)
         letter(panels[index], index, title)
-    _legend(panels[-1])
+    _profiles(panels[-1], values)
+    letter(panels[-1], len(panels) - 1, "speed at start and stop")
+    _legend(figure)
     return figure
 
 
-def _by_distance(ax: Axes, rows: pd.DataFrame) -> None:
+def _by_distance(ax: Axes, rows: pd.DataFrame) -> str:
+    """Synthetic quartiles and recorded points; returns what the axis leaves out."""
     ours = rows[rows["group"] == "synthetic"]
     # The synthetic walks were made at multiples of half a metre and end up near them.
     groups = ours.groupby((ours["distance_m"] * 2).round() / 2)["value"]
@@ -64,6 +73,10 @@ def _by_distance(ax: Axes, rows: pd.DataFrame) -> None:
     _note_absence(ax, rows)
     ax.set_xlim(0, None)
     ax.set_ylim(0, None)
+    if set(rows["quantity"]) == {"peak_speed"} and (beyond := int((rows["value"] > SHOWN_SPEED_M_S).sum())):
+        ax.set_ylim(0, SHOWN_SPEED_M_S)
+        return f"{beyond} beyond {SHOWN_SPEED_M_S} m/s"
+    return ""
 
 
 def _by_person(ax: Axes, values: pd.DataFrame, measures: dict[str, str], scale: float) -> None:
@@ -79,9 +92,11 @@ def _by_person(ax: Axes, values: pd.DataFrame, measures: dict[str, str], scale: 
         ticks.append(2.4 * number + 0.5)
         labels.append(name)
     _note_absence(ax, values[values["quantity"].isin(list(measures))])
+    if len(measures) == 1:
+        ticks, labels = [0, 1], ["synthetic", "recorded"]
     ax.set_xticks(ticks, labels)
     ax.tick_params(axis="x", length=0)
-    ax.set_xlim(-0.7, ticks[-1] + 1.2)
+    ax.set_xlim(-0.7, 2.4 * len(measures) - 0.7)
     ax.set_ylim(0, None)
 
 
@@ -90,10 +105,31 @@ def _note_absence(ax: Axes, rows: pd.DataFrame) -> None:
         ax.text(0.5, 0.04, "no recording there", transform=ax.transAxes, ha="center", fontsize=6.5)
 
 
-def _legend(ax: Axes) -> None:
-    ax.set_axis_off()
-    ax.plot([], [], color=SYNTHETIC, lw=1.4, label="synthetic: median, quartiles")
-    ax.plot([], [], "o", ms=2.6, color=RECORDED, mew=0, label="recorded")
-    ax.plot([], [], "o", ms=2.6, mfc="none", mec=RECORDED, mew=0.5, label="recorded, speeds with spikes")
-    ax.plot([], [], color="black", lw=1.0, label="median")
-    ax.legend(loc="center left", bbox_to_anchor=(-0.15, 0.5))
+def _profiles(ax: Axes, values: pd.DataFrame) -> None:
+    """Speed over its top between a tenth and nine tenths of it: up at the start, down at the stop."""
+    for number, name in enumerate(PROFILES):
+        rows = values[values["quantity"] == name]
+        # A stop was measured backwards in time.
+        rows = rows.assign(at=1.3 + 1 - rows["at"] if number else rows["at"])
+        ours = rows[rows["group"] == "synthetic"].groupby("at")["value"]
+        at = ours.median().index.to_numpy()
+        ax.fill_between(at, ours.quantile(0.25), ours.quantile(0.75), color=SYNTHETIC, alpha=0.45, lw=0)
+        ax.plot(at, ours.median(), color=SYNTHETIC, lw=1.4)
+        theirs = rows[rows["group"] == "recorded"].groupby("at")["value"].median()
+        ax.plot(theirs.index, theirs, color=RECORDED, lw=1.2)
+    _note_absence(ax, values[values["quantity"].isin(list(PROFILES))])
+    ax.set(xlabel="share of rise, of fall (1)", ylabel="speed / top speed (1)", ylim=(0, 1))
+    ax.set_xticks([0, 1, 1.3, 2.3], ["0", "1", "0", "1"])
+
+
+def _legend(figure: Figure) -> None:
+    dot: dict[str, Any] = {"marker": "o", "ls": "none", "ms": 2.6, "mew": 0.5}
+    handles = [
+        Line2D([], [], color=SYNTHETIC, lw=1.4, label="synthetic: median, quartiles"),
+        Line2D([], [], color=SYNTHETIC, label="synthetic walk", **dot),
+        Line2D([], [], color=RECORDED, label="recorded walk", **dot),
+        Line2D([], [], color=RECORDED, mfc="none", label="recorded, speeds with spikes", **dot),
+        Line2D([], [], color=RECORDED, lw=1.2, label="recorded (one person)"),
+        Line2D([], [], color="black", lw=1.0, label="median"),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=len(handles), handletextpad=0.4, columnspacing=1.0)

@@ -12,11 +12,14 @@ from recorded_files import write_feet, write_goal_directed
 from walklab.capture.foot_markers import STEP_S
 from walklab.capture.realism import (
     MEASURES,
+    PROFILE_AT,
+    PROFILES,
     Sample,
     compare,
     gait_measures,
     goal_directed_samples,
     path_measures,
+    rise_profile,
     rise_time,
     synthetic_samples,
     value_table,
@@ -62,6 +65,17 @@ def test_rise_time_of_a_linear_rise() -> None:
     assert rise_time(np.concatenate([np.linspace(0, 2, 101), np.full(50, 2.0)]), 0.01) == pytest.approx(0.8, abs=0.011)
 
 
+def test_rise_profile_of_a_linear_rise_whatever_its_pace_and_of_a_slow_start() -> None:
+    """Linear: from 0.1 to 0.9 in a line. Quadratic in time t: (sqrt 0.1 + share (sqrt 0.9 - sqrt 0.1))^2."""
+    for frames, top in ((200, 1.4), (900, 0.7)):
+        share = np.linspace(0, 1, frames)
+        after = np.ones(50)
+        linear = rise_profile(top * np.concatenate([share, after]))
+        np.testing.assert_allclose(linear, 0.1 + 0.8 * PROFILE_AT, atol=0.01)
+        slow = rise_profile(top * np.concatenate([share**2, after]), top)
+        np.testing.assert_allclose(slow, (np.sqrt(0.1) + PROFILE_AT * (np.sqrt(0.9) - np.sqrt(0.1))) ** 2, atol=0.015)
+
+
 def _samples(values: np.ndarray, group: str) -> list[Sample]:
     return [Sample(name, values, np.full(len(values), 1.0), group, group) for name in MEASURES]
 
@@ -102,8 +116,11 @@ def test_spiked_subjects_are_kept_apart(tmp_path: Path) -> None:
 def test_synthetic_walks_are_measured(training) -> None:
     some = training.accepted[training.accepted["participant"] == training.participants["participant"].iloc[0]]
     table = value_table(synthetic_samples(pair(some, training.samples, "samples")))
-    assert set(table["quantity"]) == set(MEASURES)
+    assert set(table["quantity"]) == {*MEASURES, *PROFILES}
     assert np.isfinite(table["value"]).all()
+    start = table[table["quantity"] == "start_profile"].groupby("at")["value"].median()
+    assert start.iloc[0] < 0.2 < 0.8 < start.iloc[-1]
+    assert start.is_monotonic_increasing
     steady = table[(table["quantity"] == "peak_speed") & (table["distance_m"] > 3.5)]["value"]
     assert 1.0 < steady.median() < 2.0
 

@@ -272,7 +272,14 @@ def realism_values() -> pd.DataFrame:
     measured = [*realism.BY_DISTANCE, *(name for _, names in realism.BY_PERSON.values() for name in names)]
     rows = [(name, group, "made up") for name in measured for group, count in groups.items() for _ in range(count)]
     numbers = {"distance_m": rng.uniform(0.4, 4.2, len(rows)), "value": rng.uniform(0.1, 2.0, len(rows))}
-    return pd.DataFrame(rows, columns=["quantity", "group", "source"]).assign(**numbers)
+    measures = pd.DataFrame(rows, columns=["quantity", "group", "source"]).assign(at=np.nan, **numbers)
+    ramps = [
+        (name, group, "made up", at, 4.0, 0.1 + 0.8 * at + shift)
+        for name in realism.PROFILES
+        for group, shift in (("synthetic", 0.0), ("synthetic", 0.05), ("recorded", 0.1))
+        for at in (0.0, 0.5, 1.0)
+    ]
+    return pd.concat([measures, pd.DataFrame(ramps, columns=[*list(measures.columns[:3]), "at", "distance_m", "value"])])
 
 
 FIGURES: dict[str, Draw] = {

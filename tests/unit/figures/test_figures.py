@@ -18,7 +18,19 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 
 from walklab.errors import InputError
-from walklab.figures import blending, capture, claims, evaluation, forecasts, maps, multiverse, real, recovery, replicates
+from walklab.figures import (
+    blending,
+    capture,
+    claims,
+    evaluation,
+    forecasts,
+    maps,
+    multiverse,
+    real,
+    realism,
+    recovery,
+    replicates,
+)
 from walklab.figures.style import DOUBLE_MM, MODEL_COLOURS, SINGLE_MM, colour, save, style
 
 every_figure = pytest.mark.parametrize("draw", FIGURES.values(), ids=FIGURES)
@@ -239,6 +251,16 @@ def test_walks_beyond_the_axis_are_counted() -> None:
     beyond = int((late.loc[late["model"] == "P_Stat", "abs_dt_s"] > figure.axes[0].get_xlim()[1]).sum())
     assert beyond >= 1
     assert any(f"{beyond} beyond the axis" in note for note in notes)
+
+
+def test_speeds_beyond_the_axis_are_counted_and_profiles_stand_where_they_were_measured() -> None:
+    values = inputs.realism_values()
+    peaks = values["quantity"] == "peak_speed"
+    values.loc[peaks, "value"] = [5.0, 2.7, *[1.0] * (peaks.sum() - 2)]
+    figure = realism.fig_realism(values)
+    assert figure.axes[3].get_title(loc="left").endswith("2 beyond 2.6 m/s")
+    start = figure.axes[7].get_lines()[1].get_xydata()
+    np.testing.assert_allclose(start, [[0, 0.2], [0.5, 0.6], [1, 1.0]])
 
 
 def test_walks_that_missed_the_end_are_told_from_those_that_timed_out() -> None:
