@@ -1,5 +1,5 @@
-"""The examples with other simulators, run where those are installed: ``pip install "walklab[simulators]"``, or in ``.venv/peers``,
-which ``make test-all`` and ``make bench`` set up."""
+"""The examples with other simulators, run where those are installed: ``pip install "walklab[simulators]"``, or in
+``.venv/peers``, which ``make test-all`` and ``make bench`` set up."""
 
 import importlib
 import sys
