@@ -196,13 +196,19 @@ def as_markdown(table: pd.DataFrame, node_memory_gb: float, job_hours: float) ->
     lines = ["| walks | stage | jobs | core-hours | memory of a job (GB) | disk (GB) |", "|---|---|---|---|---|---|"]
     for total, part in table.groupby("walks"):
         for row in part.itertuples():
-            cells = (f"{row.core_hours:.3g}", f"{row.memory_gb:.2g}", f"{row.disk_gb:.2g}")
+            cells = (_number(row.core_hours), _number(row.memory_gb), _number(row.disk_gb))
             lines.append(f"| {total:,} | {row.stage} | {row.jobs:,} | {' | '.join(cells)} |")
         lines.append(
             f"| **{total:,}** | **all: {_verdict(part, node_memory_gb, job_hours)}** | **{part['jobs'].sum():,}** "
-            f"| **{part['core_hours'].sum():.3g}** | **{part['memory_gb'].max():.2g}** | **{part['disk_gb'].sum():.2g}** |"
+            f"| **{_number(part['core_hours'].sum())}** | **{_number(part['memory_gb'].max())}** "
+            f"| **{_number(part['disk_gb'].sum())}** |"
         )
     return "\n".join(lines)
+
+
+def _number(value: float) -> str:
+    """Two digits, or all before the point."""
+    return f"{value:,.0f}" if value >= 100 else f"{value:.2g}"
 
 
 def _verdict(part: pd.DataFrame, node_memory_gb: float, job_hours: float) -> str:
