@@ -195,9 +195,9 @@ def as_markdown(table: pd.DataFrame, node_memory_gb: float, job_hours: float) ->
     """The table for the manual, with a line per number of walks that says whether its jobs fit a node and its longest job."""
     lines = ["| walks | stage | jobs | core-hours | memory of a job (GB) | disk (GB) |", "|---|---|---|---|---|---|"]
     for total, part in table.groupby("walks"):
-        for row in part.itertuples():
-            cells = (_number(row.core_hours), _number(row.memory_gb), _number(row.disk_gb))
-            lines.append(f"| {total:,} | {row.stage} | {row.jobs:,} | {' | '.join(cells)} |")
+        for row in part.to_dict("records"):
+            cells = " | ".join(_number(row[name]) for name in ("core_hours", "memory_gb", "disk_gb"))
+            lines.append(f"| {total:,} | {row['stage']} | {row['jobs']:,} | {cells} |")
         lines.append(
             f"| **{total:,}** | **all: {_verdict(part, node_memory_gb, job_hours)}** | **{part['jobs'].sum():,}** "
             f"| **{_number(part['core_hours'].sum())}** | **{_number(part['memory_gb'].max())}** "
