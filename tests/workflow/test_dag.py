@@ -247,7 +247,7 @@ def test_another_planner_needs_only_configuration(project, name):
 def test_own_walks_go_through_the_same_chain(project):
     project.run("--cores", "2", "--configfile", "config/own.yaml", "tests/workflow/tiny.yaml", "--config", "run=own")
     scores = pd.read_csv(project.folder / "results/own/scores.csv")
-    assert {"P_Stat", "P_Adapt", "P_Prob"} <= set(scores["model"])
+    assert {"P_Stat (point)", "P_Adapt (point)", "P_Prob (literal)"} <= set(scores["model"])
     assert scores.groupby("model")["participant"].nunique().min() >= 2
 
 
@@ -256,7 +256,6 @@ ACCLAIM = {
     "source": {"path": "recordings"},
     "blending_space": {"entries": None},
     "model": {"k": 3},
-    "cross_validate": {"draws": 5},
     "shards": 1,
     "planner": {"options": {"cell_m": 0.05}, "time_limit_s": 15},
     "space": [

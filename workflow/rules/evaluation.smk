@@ -205,13 +205,12 @@ rule cross_validate:
         predictions=stage("cross_validate", "predictions.parquet"),
         scores=stage("cross_validate", "scores.csv"),
         summary=stage("cross_validate", "summary.csv"),
+        calibration=stage("cross_validate", "calibration.csv"),
     log:
         stage("cross_validate", "log.txt"),
     params:
         **TRIALS,
-        **section(
-            "blending_space", "model", "fit_static", "cross_validate", "statistics"
-        ),
+        **section("blending_space", "model", "fit_static", "statistics"),
         code=code("cross_validate.py"),
     script:
         "../scripts/cross_validate.py"

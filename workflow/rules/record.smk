@@ -42,6 +42,8 @@ POPULATIONS = [
 REAL = [
     f"{RUN}/scores.csv",
     f"{RUN}/summary.csv",
+    f"{RUN}/calibration.csv",
+    f"{RUN}/tests.csv",
     f"{RUN}/figures/scores.svg",
     f"{RUN}/figures/fig05.svg",
     f"{RUN}/figures/fig06.svg",
@@ -109,12 +111,18 @@ elif not SYNTHETIC:
         input:
             scores=first(rules.cross_validate.output.scores),
             summary=first(rules.cross_validate.output.summary),
+            calibration=first(rules.cross_validate.output.calibration),
+            tests=first(rules.compare_forecasts.output.tests),
         output:
             scores=report(
                 f"{RUN}/scores.csv", caption="../report/table.rst", category="Tables"
             ),
             summary=report(
                 f"{RUN}/summary.csv", caption="../report/table.rst", category="Tables"
+            ),
+            calibration=f"{RUN}/calibration.csv",
+            tests=report(
+                f"{RUN}/tests.csv", caption="../report/table.rst", category="Tables"
             ),
         log:
             first(stage("publish_scores", "log.txt")),

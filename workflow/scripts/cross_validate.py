@@ -25,7 +25,6 @@ if __name__ == "__main__":
             Standing(**params.standing),
         )
         options = CrossValidationOptions(
-            draws=params.cross_validate["draws"],
             time_limit_s=params.planner["time_limit_s"],
             metric=params.metric,
             static_starts=params.fit_static["starts"],
@@ -34,5 +33,5 @@ if __name__ == "__main__":
         )
         settings = settings_of(params.blending_space, params.model)
         result = leave_one_subject_out(study, settings, options, params.seed, int(snakemake.wildcards.replicate))
-        for name in ("predictions", "scores", "summary"):
+        for name in ("predictions", "scores", "summary", "calibration"):
             write_table(getattr(result, name), snakemake.output[name])

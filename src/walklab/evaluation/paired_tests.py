@@ -36,9 +36,8 @@ from walklab.evaluation.mixed import intercept_of
 from walklab.evaluation.pairs import paired
 from walklab.evaluation.score_tables import parts
 from walklab.evaluation.signed_rank import ROUNDING_DECIMALS, wilcoxon_power_are
+from walklab.evaluation.subject_scores import TASK_SPEEDS
 from walklab.steering.pace import fit_pace
-
-TASK_SPEEDS = "task speeds alone"
 
 Array = NDArray[np.float64]
 

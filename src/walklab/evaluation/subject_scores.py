@@ -4,59 +4,30 @@ from __future__ import annotations
 
 import numpy as np
 import pandas as pd
-from numpy.typing import ArrayLike, NDArray
 
 from walklab.errors import InputError
 from walklab.evaluation.bootstrap import DECIMALS, RESAMPLES, cluster_counts, interval
-from walklab.evaluation.crps import ensemble_crps
-
-Array = NDArray[np.float64]
 
 # An error floor, not a forecast: the walk is simulated with the best cell of its own captured map.
 OWN_MAP = "best cell of the walk's own map"
+# One time each, without any spread; as forecasts they have that of their training residuals.
+STATIC_POINT, ADAPTIVE_POINT = "P_Stat (point)", "P_Adapt (point)"
+TASK_SPEEDS = "task speeds alone"  # a baseline of walks that start and end while walking
 
-CENTRAL_INTERVAL = (0.05, 0.95)  # the 90 % interval
-
+COVERAGES = {
+    f"coverage_{level}": f"share of walks inside the {level} % interval; {level / 100} is right" for level in (50, 80, 90, 95)
+}
 # Column of the scores table -> what it is, with the smaller (in size) the better unless said otherwise.
 MEASURES = {
-    "median_abs_dt_s": "median |dt| of a single draw (median over draws, then over walks)",
-    "median_dt_s": "median signed dt of a single draw (median over draws, then over walks)",
+    "median_abs_dt_s": "median |dt| of a single draw (median over draws, then over walks); not a proper score",
+    "median_dt_s": "median signed dt of the forecast's median",
     "median_abs_point_dt_s": "median |dt| of the forecast's median",
     "crps_s": "mean continuous ranked probability score",
-    "coverage_90": "share of walks inside the 90 % interval; 0.9 is right",
+    "energy_m": "mean energy score of the trajectory; missing where there is none",
+    **COVERAGES,
+    "width_90_s": "mean width of the 90 % interval",
+    "bias_s": "mean of forecast mean - captured time",
 }
-
-
-def forecast_scores(captured_s: ArrayLike, members_s: ArrayLike) -> pd.DataFrame:
-    r"""Score one ensemble per walk.
-
-    The CRPS is that of the ensemble's empirical distribution,
-    :math:`E|X - T| - \frac{1}{2} E|X - X'|`; for a single member it is the absolute error.
-
-    Parameters
-    ----------
-    captured_s : (W,) observed travel times
-    members_s : (W, M) equally likely forecasts
-
-    Returns
-    -------
-    DataFrame, one row per walk: point_s (median), low_s, high_s (90 % interval), covered, crps_s, and the medians over
-    the members of ``|dt|`` and ``dt``: draw_abs_dt_s, draw_dt_s
-    """
-    observed, members = np.asarray(captured_s, dtype=float), np.asarray(members_s, dtype=float)
-    low, high = np.quantile(members, CENTRAL_INTERVAL, axis=1)
-    errors = members - observed[:, None]
-    return pd.DataFrame(
-        {
-            "point_s": np.median(members, axis=1),
-            "low_s": low,
-            "high_s": high,
-            "covered": (low <= observed) & (observed <= high),
-            "crps_s": ensemble_crps(observed, members),
-            "draw_abs_dt_s": np.median(np.abs(errors), axis=1),
-            "draw_dt_s": np.median(errors, axis=1),
-        }
-    )
 
 
 def subject_scores(predictions: pd.DataFrame) -> pd.DataFrame:
@@ -67,23 +38,21 @@ def subject_scores(predictions: pd.DataFrame) -> pd.DataFrame:
 
     Parameters
     ----------
-    predictions : participant, model, k, captured_s, arrived_share, inside_hull and the columns of :func:`forecast_scores`
+    predictions : the columns of :func:`walklab.evaluation.score_tables.walk_scores`, and point_s (the forecast's median)
 
     Returns
     -------
-    DataFrame: participant, model, walks, k, the columns of :data:`MEASURES`, arrived_share, inside_share
+    DataFrame: participant, model, walks, the columns of :data:`MEASURES`, inside_share
     """
-    point_error = (predictions["point_s"] - predictions["captured_s"]).abs()
-    groups = predictions.assign(point_error=point_error).groupby(["participant", "model"], sort=False)
+    error = predictions["point_s"] - predictions["captured_s"]
+    means = [name for name in MEASURES if not name.startswith("median_")]
+    groups = predictions.assign(error=error, distance=error.abs()).groupby(["participant", "model"], sort=False)
     return groups.agg(
         walks=("walk", "size"),
-        k=("k", "first"),
         median_abs_dt_s=("draw_abs_dt_s", "median"),
-        median_dt_s=("draw_dt_s", "median"),
-        median_abs_point_dt_s=("point_error", "median"),
-        crps_s=("crps_s", "mean"),
-        coverage_90=("covered", "mean"),
-        arrived_share=("arrived_share", "mean"),
+        median_dt_s=("error", "median"),
+        median_abs_point_dt_s=("distance", "median"),
+        **{name: (name, "mean") for name in means},
         inside_share=("inside_hull", "mean"),
     ).reset_index()
 
@@ -102,8 +71,8 @@ def summarise(scores: pd.DataFrame, reference: str, rng: np.random.Generator, re
 
     Returns
     -------
-    DataFrame, a row per model: model, participants, walks, k (smallest over participants), then per measure its
-    mean, ``<measure>_low`` and ``<measure>_high``; also ``crps_minus_reference_s``, arrived_share, inside_share,
+    DataFrame, a row per model: model, participants, walks, then per measure its
+    mean, ``<measure>_low`` and ``<measure>_high``; also ``crps_minus_reference_s``, inside_share,
     ``kind`` (``forecast``, or ``error floor`` for :data:`OWN_MAP`), ``reference`` and ``better_than_reference``
     (participants); both comparisons are missing for the error floor
 
@@ -123,11 +92,14 @@ def summarise(scores: pd.DataFrame, reference: str, rng: np.random.Generator, re
     for name, group in by_model.items():
         floor = name == OWN_MAP
         less = (group["crps_s"] - by_model[reference]["crps_s"]).round(DECIMALS) * (np.nan if floor else 1.0)
-        row = {"model": name, "participants": len(group), "walks": int(group["walks"].sum()), "k": group["k"].min()}
+        row = {"model": name, "participants": len(group), "walks": int(group["walks"].sum())}
         for measure, values in [(m, group[m]) for m in MEASURES] + [("crps_minus_reference_s", less)]:
             low, high = interval(counts @ values.to_numpy(dtype=float) / len(group), len(group))
             row |= {measure: float(values.mean()), f"{measure}_low": float(low), f"{measure}_high": float(high)}
-        row |= {"arrived_share": float(group["arrived_share"].mean()), "inside_share": float(group["inside_share"].mean())}
-        row |= {"kind": "error floor" if floor else "forecast", "reference": reference}
+        row |= {
+            "inside_share": float(group["inside_share"].mean()),
+            "kind": "error floor" if floor else "forecast",
+            "reference": reference,
+        }
         rows.append(row | {"better_than_reference": pd.NA if floor else int((less < 0).sum())})
     return pd.DataFrame(rows).astype({"better_than_reference": "Int64"})

@@ -21,7 +21,7 @@ SCORES = {
 }
 
 VARIANTS = (
-    "`P_Prob (literal)`, or `P_Prob` on real walks, is this file as it stands. `P_Prob (calibrated)` sharpens what it says of a "
+    "`P_Prob (literal)` is this file as it stands. `P_Prob (calibrated)` sharpens what it says of a "
     "walk. `P_Prob (extended)` sharpens it too, may choose other neighbours, and adds a trend of the travel time and the pace of "
     "people. `P_Prob without dependencies` is the sharpened mean of all its maps, the same for every walk."
 )
