@@ -4,7 +4,16 @@ import pandas as pd
 
 from walklab.evaluation.score_tables import information
 from walklab.evaluation.subject_scores import OWN_MAP
-from walklab.report.findings import BASELINES, CALIBRATED, EXTENDED, GOAL_HIGH, GOAL_LOW, forecast_findings, realism_findings
+from walklab.report.findings import (
+    BASELINES,
+    CALIBRATED,
+    EXTENDED,
+    GOAL_HIGH,
+    GOAL_LOW,
+    forecast_findings,
+    real_findings,
+    realism_findings,
+)
 
 # How candidates.csv calls each way of choosing the sharpness -> how the page does.
 WAYS = {
@@ -113,13 +122,19 @@ def _tests(folder):
 
 def pairs(folder):
     """Every tested pair over all walks, and what is significant."""
-    table = _tests(folder).query("hull == 'all'")
+    return pairs_of(_tests(folder))
+
+
+def pairs_of(tests, measure="mean_difference_s"):
+    """A table of pairs over all walks with the floor of the exact test, sizes of the tests and what is significant."""
+    table = tests.query("hull == 'all'")
+    several = len(set(table["scenario"])) > 1
     rows = [
         [
-            row["scenario"].removeprefix("scenario_"),
+            *([row["scenario"].removeprefix("scenario_")] if several else []),
             row["first"],
             row["second"],
-            bracketed(row, "mean_difference_s"),
+            bracketed(row, measure),
             f"{row['p_mixed_holm']:.2g}",
             f"{row['p_participants_holm']:.2g}",
             f"{row['power_are']:.2f}",
@@ -127,13 +142,14 @@ def pairs(folder):
         ]
         for row in table.to_dict("records")
     ]
-    header = ["scenario", "first", "second", "CRPS, first - second (s)", "p, mixed model", "p, participants' means"]
-    text = markdown([*header, "power, A.R.E.", "power, participants' means, simulated"], rows)
+    header = [*(["scenario"] if several else []), "first", "second", "CRPS, first - second (s)", "p, mixed model"]
+    text = markdown([*header, "p, participants' means", "power, A.R.E.", "power, participants' means, simulated"], rows)
     sizes = [f"{100 * table[name].min():.0f} to {100 * table[name].max():.0f} %" for name in ("size_walks", "size_participants")]
     floor = ", ".join(f"{value:.2g}" for value in sorted(set(table["p_participants_holm_floor"])))
+    where, people = " of both scenarios" if several else "", table["participants"].max()
     told = [
-        f"p values are after Holm's correction over all {len(table)} pairs of both scenarios. The exact test on the means of"
-        f" {table['participants'].max()} people cannot go below {floor} after it, even where all of them agree.",
+        f"p values are after Holm's correction over all {len(table)} pairs{where}. The exact test on the means of {people} people"
+        f" cannot go below {floor} after it, even where all of them agree.",
         f"Where there is no effect the paper's test on walks rejects in {sizes[0]} of simulated studies,"
         f" that on participants' means in {sizes[1]}; {100 * SIGNIFICANT:.0f} % were asked for.",
     ]
@@ -147,8 +163,12 @@ def _significant(table, name):
     for row in table[table[name] < SIGNIFICANT].to_dict("records"):
         ahead = row["mean_difference_s"] > 0
         better, worse = (row["second"], row["first"]) if ahead else (row["first"], row["second"])
-        found.append(f"{better} before {worse} in {row['scenario'].replace('_', ' ')} ({row[name]:.2g})")
+        found.append(f"{better} before {worse}{_place(row['scenario'])} ({row[name]:.2g})")
     return "; ".join(found) or "nothing"
+
+
+def _place(scenario):
+    return f" in {scenario.replace('_', ' ')}" if scenario.startswith("scenario") else ""
 
 
 def limits(folder):
@@ -174,10 +194,20 @@ def real(folder):
     forecasts = table[table["kind"] == "forecast"].sort_values("crps_s")
     reference = str(forecasts["reference"].iloc[0])
     rows = [
-        [row["model"], bracketed(row, "crps_s"), f"{100 * row['coverage_90']:.0f}", bracketed(row, "crps_minus_reference_s")]
+        [
+            row["model"],
+            information(row["model"]),
+            bracketed(row, "crps_s"),
+            "-" if pd.isna(row["energy_m"]) else f"{row['energy_m']:.3f}",
+            " / ".join(f"{100 * row[f'coverage_{level}']:.0f}" for level in (50, 80, 90, 95)),
+            f"{row['bias_s']:+.2f}",
+            f"{row['median_abs_dt_s']:.2f}",
+            bracketed(row, "crps_minus_reference_s"),
+        ]
         for row in forecasts.to_dict("records")
     ]
-    header = ["forecast", "CRPS (s)", "90 % interval holds (%)", f"CRPS minus that of {reference} (s)"]
+    header = ["forecast", "knows", "CRPS (s)", "energy score (m)", "50 / 80 / 90 / 95 % intervals hold (%)", "bias (s)"]
+    header += ["median abs. dt of a draw (s)", f"CRPS minus that of {reference} (s)"]
     clear = forecasts.loc[forecasts["crps_minus_reference_s_high"] < 0, "model"]
     best = forecasts.iloc[0]
     told = [
@@ -185,6 +215,16 @@ def real(folder):
         f"Better than {reference} with an interval that excludes zero: {', '.join(clear) or 'none'}.",
     ]
     return f"{bullets(told)}\n\n{markdown(header, rows)}"
+
+
+def real_sentences(folder):
+    """Whether the learned models beat the baselines on real walks."""
+    return bullets(real_findings(pd.read_csv(folder / "tests.csv")))
+
+
+def real_pairs(folder):
+    """Every tested pair on real walks, every participant counting once."""
+    return pairs_of(pd.read_csv(folder / "tests.csv"), "participants_difference_s")
 
 
 def replicated_findings(folder):

@@ -68,11 +68,13 @@ def test_real_walks_are_ranked_without_the_error_floor(told, tmp_path):
         ("task speeds alone", "forecast", 0.2, -0.3, -0.7, 0.1),
         ("best cell", "error floor", 0.01, float("nan"), float("nan"), float("nan")),
     ]
-    table = pd.DataFrame(rows, columns=names).assign(walks=47, participants=10, reference="climatology", coverage_90=0.9)
+    table = pd.DataFrame(rows, columns=names).assign(walks=47, participants=10, reference="climatology", energy_m=float("nan"))
+    table = table.assign(coverage_50=0.4, coverage_80=0.7, coverage_90=0.9, coverage_95=1.0, bias_s=-0.1, median_abs_dt_s=0.25)
     table.assign(crps_s_low=table["crps_s"], crps_s_high=table["crps_s"]).to_csv(tmp_path / "summary.csv")
     text = told.real(tmp_path)
     assert "47 walks of 10 people. The smallest mean CRPS has task speeds alone." in text
     assert "excludes zero: P_Stat with residual spread." in text
+    assert "| 40 / 70 / 90 / 100 | -0.10 | 0.25 |" in text
     assert "best cell" not in text
 
 

@@ -27,7 +27,14 @@ from walklab.evaluation.nested import learn
 from walklab.evaluation.scenario_forecasts import Learned, durations, forecast_scenario, route_lengths
 from walklab.evaluation.score_tables import calibration_table, walk_scores
 from walklab.evaluation.simulated_times import travel_times
-from walklab.evaluation.subject_scores import ADAPTIVE_POINT, STATIC_POINT, TASK_SPEEDS, subject_scores, summarise
+from walklab.evaluation.subject_scores import (
+    ADAPTIVE_POINT,
+    STATIC_POINT,
+    TASK_SPEEDS,
+    WALKS_LEFT_OUT,
+    subject_scores,
+    summarise,
+)
 from walklab.evaluation.tracing import trace_walks
 from walklab.geometry.standing import Standing
 from walklab.planning.protocol import Planner
@@ -42,8 +49,6 @@ from walklab.steering.training import TrainingSettings, train
 
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
-
-WALKS_LEFT_OUT = "walks_left_out"  # where scenarios have their names
 
 
 @dataclass(frozen=True)

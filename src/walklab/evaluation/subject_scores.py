@@ -12,6 +12,7 @@ from walklab.evaluation.bootstrap import DECIMALS, RESAMPLES, cluster_counts, in
 OWN_MAP = "best cell of the walk's own map"
 # One time each, without any spread; as forecasts they have that of their training residuals.
 STATIC_POINT, ADAPTIVE_POINT = "P_Stat (point)", "P_Adapt (point)"
+WALKS_LEFT_OUT = "walks_left_out"  # stands in tables where others have the name of a scenario
 TASK_SPEEDS = "task speeds alone"  # a baseline of walks that start and end while walking
 
 COVERAGES = {

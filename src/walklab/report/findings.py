@@ -12,8 +12,12 @@ from walklab.evaluation.forecasts import (
     CALIBRATED,
     EXTENDED,
     EXTENDED_EARLIER,
+    GAUSSIAN_PROCESS,
+    REGRESSION,
+    STATIC,
 )
 from walklab.evaluation.paired_tests import BASELINES, BASELINES_EARLIER
+from walklab.evaluation.subject_scores import WALKS_LEFT_OUT
 
 Row = dict[Hashable, Any]
 
@@ -47,6 +51,40 @@ def forecast_findings(scores: pd.DataFrame | None, tests: pd.DataFrame | None) -
         leans = [f"{rows[name]['bias_s']:+.2f} s ({name})" for name in (best, *learned)]
         found.append(". ".join([opening, *sentences, f"Mean forecast minus captured time: {', '.join(leans)}."]))
     return found + _informed(scenarios, tests) + _coverage(scenarios)
+
+
+def real_findings(tests: pd.DataFrame | None) -> list[str]:
+    """Whether the learned models beat what a sceptic would fit on walks that were left out, every participant counting once.
+
+    Parameters
+    ----------
+    tests : of :func:`walklab.evaluation.paired_tests.pair_table`; another table, or none, gives no sentence
+    """
+    if tests is None or "scenario" not in tests or WALKS_LEFT_OUT not in set(tests["scenario"]):
+        return []
+    rows = tests[(tests["hull"] == "all") & (tests["scenario"] == WALKS_LEFT_OUT)]
+    found = []
+    for model, others in ((CALIBRATED, BASELINES), (EXTENDED, BASELINES), (EXTENDED_EARLIER, BASELINES_EARLIER)):
+        asked = rows[(rows["second"] == model) & rows["first"].isin(others)]
+        ahead = asked["participants_difference_s_low"] > 0
+        behind = asked["participants_difference_s_high"] < 0
+        groups = {"better than": ahead, "worse than": behind, "undecided against": ~(ahead | behind)}
+        found += [
+            f"{model} is "
+            + "; ".join(f"{words} {_names(asked.loc[which, 'first'])}" for words, which in groups.items() if which.any())
+            + " (by 95 % intervals of single pairs)."
+        ] * bool(len(asked))
+        found += [
+            f"Against {row['first']} {model} is {_tested(row, 'participants_difference_s')};"
+            f" it is better for {row['participants_better']} of {row['participants']} people."
+            for row in asked[asked["first"].isin((STATIC, REGRESSION, GAUSSIAN_PROCESS, *BASELINES_EARLIER))].to_dict("records")
+            if model != CALIBRATED
+        ]
+    return found
+
+
+def _names(models: pd.Series) -> str:
+    return ", ".join(str(name) for name in models)
 
 
 def _by_scenario(scores: pd.DataFrame) -> dict[str, dict[str, Row]]:

@@ -21,7 +21,7 @@ from walklab.figures.claims import VERDICTS
 from walklab.figures.pages import number_text
 from walklab.figures.style import MODEL_COLOURS, OTHER_MODEL, read_name
 from walklab.report.contents import Contents
-from walklab.report.findings import forecast_findings, realism_findings
+from walklab.report.findings import forecast_findings, real_findings, realism_findings
 from walklab.report.published import Comparison, beside_figure, beside_table, claimed, published_text
 from walklab.report.sections import SECTIONS, Section, figure_title, placed, tables_of
 from walklab.report.tables import Table, descriptions, headline, medians, table_of, verdict_counts, with_interval
@@ -95,7 +95,7 @@ def render(contents: Contents) -> str:
                 frames.get("scores"),
             ),
             verdicts=verdict_counts(frames.get("claims"), list(VERDICTS)),
-            forecast_findings=forecast_findings(frames.get("scores"), frames.get("tests")),
+            forecast_findings=forecast_findings(frames.get("scores"), frames.get("tests")) + real_findings(frames.get("tests")),
             realism_findings=realism_findings(frames.get("realism")),
             marks=VERDICT_MARKS,
             long_table=LONG_TABLE,

@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 from walklab.errors import InputError
-from walklab.report.findings import forecast_findings, realism_findings
+from walklab.report.findings import forecast_findings, real_findings, realism_findings
 
 
 def scores(calibrated: float = 0.3, coverage: float = 0.85) -> pd.DataFrame:
@@ -85,6 +85,33 @@ def test_another_table_says_nothing():
     assert forecast_findings(None, None) == []
     assert forecast_findings(pd.DataFrame({"model": ["P_Stat"], "crps": [1.0]}), None) == []
     assert realism_findings(None) == []
+
+
+def test_real_walks_say_whom_each_model_beats_and_whom_not():
+    extended, earlier = "P_Prob (extended)", "P_Prob (extended), earlier walks"
+    names = ["first", "second", "participants_difference_s", "participants_difference_s_low", "participants_difference_s_high"]
+    rows = [
+        ("climatology", extended, 0.2, 0.1, 0.3),
+        ("regression", extended, 0.02, -0.1, 0.1),
+        ("Gaussian process", extended, -0.07, -0.12, -0.01),
+        ("regression, earlier walks", earlier, -0.026, -0.05, 0.01),
+        ("P_Adapt", "P_Prob (literal)", 9.0, 9.0, 9.0),  # not asked
+    ]
+    table = pd.DataFrame(rows, columns=names).assign(scenario="walks_left_out", hull="all", participants=10)
+    table = table.assign(p_mixed_holm=0.2, p_participants_holm=1.0, p_participants_holm_floor=0.05, participants_better=3)
+    overall, line, process, known, with_walks = real_findings(table)
+    assert overall.startswith(
+        "P_Prob (extended) is better than climatology; worse than Gaussian process; undecided against regression (by 95"
+    )
+    assert line.startswith("Against regression P_Prob (extended) is better by 0.020 s [-0.100, 0.100], which includes zero")
+    assert process.startswith(
+        "Against Gaussian process P_Prob (extended) is worse by 0.070 s [0.010, 0.120], which excludes zero"
+    )
+    assert process.endswith("it is better for 3 of 10 people.")
+    assert known == f"{earlier} is undecided against regression, earlier walks (by 95 % intervals of single pairs)."
+    assert "worse by 0.026 s [-0.010, 0.050], which includes zero" in with_walks
+    assert real_findings(None) == []
+    assert real_findings(table.assign(scenario="scenario_1")) == []
 
 
 def test_realism_tells_the_ratios_of_the_medians():
