@@ -35,7 +35,7 @@ from walklab.evaluation.subject_scores import (
     subject_scores,
     summarise,
 )
-from walklab.evaluation.tracing import trace_walks
+from walklab.evaluation.tracing import drawn_energy, trace_walks
 from walklab.geometry.standing import Standing
 from walklab.planning.protocol import Planner
 from walklab.planning.tracing import Traces
@@ -204,7 +204,12 @@ def _forecasts(
     traces, distances = study.traced(options.time_limit_s)
     static = _static_model(study, known, options, generator(seed, replicate, "cross_validation", participant, "static_fit"))
     static_s = _times(study, np.arange(len(times)), static.parameters(vectors), options)
-    adaptive_s = _times(study, asked, AdaptiveModel(model).parameters(vectors[asked]), options)
+    adapted = AdaptiveModel(model).parameters(vectors[asked])
+    adaptive_s = _times(study, asked, adapted, options)
+    static_m, adaptive_m = (
+        drawn_energy(walks, study.routes, study.planner, each[:, None], options.time_limit_s)
+        for each in (static.parameters(vectors[asked]), adapted)
+    )
     calibration, suitability = learn(
         model, settings, owners[known].tolist(), times[known], vectors[known], traces.rows(known), distances[known]
     )
@@ -221,6 +226,8 @@ def _forecasts(
         model.blending.maps[: len(known)].mean(axis=0),
     )
     learned = Learned(model, calibration, training, study.planner, study.standing, options.time_limit_s, options.metric)
+    # The error floor of the grid reads the captured walk itself and forecasts nothing.
+    own = asked, study.scores[asked].argmin(axis=1)
     task = Asked(
         times[asked],
         lengths[asked],
@@ -230,12 +237,17 @@ def _forecasts(
         learned.paced.density_model().blend(vectors[asked]),
         static_s[asked],
         adaptive_s,
-        # The error floor of the grid reads the captured walk itself and forecasts nothing.
-        traces.travel_s[asked, study.scores[asked].argmin(axis=1)].astype(float),
+        traces.travel_s[own].astype(float),
+        static_m,
+        adaptive_m,
+        distances[own].astype(float),
         traces.rows(asked),
         distances[asked],
     )
-    found = {STATIC_POINT: Forecast(task.static_s[:, None]), ADAPTIVE_POINT: Forecast(adaptive_s[:, None])}
+    found = {
+        STATIC_POINT: Forecast(task.static_s[:, None], static_m),
+        ADAPTIVE_POINT: Forecast(adaptive_s[:, None], adaptive_m),
+    }
     # Whether this baseline exists must not differ between participants, so all walks are asked.
     speeds = [np.array([float(walk.row[f"{end}_speed_m_s"]) for walk in study.walks]) for end in ("start", "end")]
     if (alone := task_speeds(lengths, *speeds)) is not None:
