@@ -1,4 +1,4 @@
-"""One full synthetic capture of each experiment, shared by the tests of this room."""
+"""The synthetic capture of each experiment as the default study makes it, shared by the tests of this room."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+import yaml
 
 from walklab.capture.centre_of_mass import from_belt_pose
 from walklab.capture.constants import WalkerConstants
@@ -15,13 +16,20 @@ from walklab.capture.participants import Distribution, Group, draw_participants
 from walklab.capture.scenario import ScenarioDesign, record_scenario
 from walklab.capture.segmentation import SegmentationRules, extract_walks
 from walklab.capture.training import TrainingDesign, record_training
+from walklab.configuration import complete, load_schema
 from walklab.geometry.plans import Plan, load_plan
 from walklab.geometry.standing import Standing
 from walklab.randomness import generator
 
-SEED = 1
-SCENES = Path(__file__).parents[3] / "config" / "scenes"
-CURVATURE_SCALE_M = 0.2
+ROOT = Path(__file__).parents[3]
+CONFIG = complete(
+    yaml.safe_load((ROOT / "config/config.yaml").read_text()), load_schema(ROOT / "workflow/schemas/config.schema.yaml")
+)
+SCENES = ROOT / "config" / "scenes"
+SEED = CONFIG["seed"]
+STANDING = Standing(**CONFIG["standing"])
+MEASURED = ("age_years", "height_m", "mass_kg")
+HOW = (STANDING, SegmentationRules(**CONFIG["extract_walks"]), CONFIG["dependencies"]["curvature_scale_m"])
 
 
 @dataclass(frozen=True)
@@ -34,6 +42,7 @@ class Captured:
     walks: pd.DataFrame
     samples: pd.DataFrame
     rate_hz: float
+    seed: int = SEED
 
     @property
     def accepted(self) -> pd.DataFrame:
@@ -56,17 +65,9 @@ def constants() -> WalkerConstants:
 @pytest.fixture(scope="session")
 def groups() -> dict[str, Group]:
     """Agethen et al. 2017, sections 4.2, 7.1 and 8.3."""
-    age, height, mass = (
-        Distribution(26.46, 7.50, 19, 59),
-        Distribution(1.78, 0.07, 1.65, 1.90),
-        Distribution(75.15, 13.09, 50, 110),
-    )
-    other = Distribution(27.80, 6.08, 21, 40), Distribution(1.79, 0.12, 1.60, 1.98), Distribution(76.20, 14.18, 60, 105)
-    third = Distribution(26.30, 5.01, 21, 40), Distribution(1.81, 0.05, 1.75, 1.90)
     return {
-        "training": Group("training", 30, 5, age, height, mass),
-        "scenarios": Group("scenarios", 10, 1, *other),
-        "long_distance": Group("long_distance", 10, 1, *third),
+        name: Group(name, group["count"], group["female"], *(Distribution(**group[key]) for key in MEASURED))
+        for name, group in CONFIG["participants"].items()
     }
 
 
@@ -75,29 +76,30 @@ def plans() -> dict[str, Plan]:
     return {path.stem: load_plan(path) for path in sorted(SCENES.glob("*.yaml"))}
 
 
+def _people(group: Group, constants: WalkerConstants) -> pd.DataFrame:
+    return draw_participants(group, constants, generator(SEED, 0, "participants", group.name))
+
+
 @pytest.fixture(scope="session")
 def training(groups, plans, constants) -> Captured:
-    people = draw_participants(groups["training"], constants, generator(SEED, 0, "training"))
-    recording, truth = record_training(people, TrainingDesign(), plans, constants, SEED, 0)
-    walks, samples = extract_walks(recording, people, Standing(), SegmentationRules(), CURVATURE_SCALE_M)
-    return Captured(people, recording, truth, walks, samples, 120.0)
+    people, design = _people(groups["training"], constants), TrainingDesign(**CONFIG["record_training"])
+    recording, truth = record_training(people, design, plans, constants, SEED, 0, standing=STANDING)
+    return Captured(people, recording, truth, *extract_walks(recording, people, *HOW), design.rate_hz)
 
 
-def _scenario(group: Group, plan: Plan, constants: WalkerConstants, flawed_walks: int) -> Captured:
-    people = draw_participants(group, constants, generator(SEED, 0, "scenarios"))
-    design = ScenarioDesign(flawed_walks=flawed_walks)
-    poses, truth = record_scenario(people, plan, design, constants, SEED, 0)
+def _scenario(group: Group, plan: Plan, constants: WalkerConstants) -> Captured:
+    people, design = _people(group, constants), ScenarioDesign(**CONFIG["record_scenario"])
+    poses, truth = record_scenario(people, plan, design, constants, SEED, 0, standing=STANDING)
     recording = from_belt_pose(poses, people, design.controller_offset_m)
     stations = {plan.scene.name: {name: station.position_m for name, station in plan.stations.items()}}
-    walks, samples = extract_walks(recording, people, Standing(), SegmentationRules(), CURVATURE_SCALE_M, stations)
-    return Captured(people, recording, truth, walks, samples, 60.0)
+    return Captured(people, recording, truth, *extract_walks(recording, people, *HOW, stations), design.rate_hz)
 
 
 @pytest.fixture(scope="session")
 def scenario_1(groups, plans, constants) -> Captured:
-    return _scenario(groups["scenarios"], plans["scenario_1"], constants, flawed_walks=7)
+    return _scenario(groups["scenarios"], plans["scenario_1"], constants)
 
 
 @pytest.fixture(scope="session")
 def scenario_2(groups, plans, constants) -> Captured:
-    return _scenario(groups["scenarios"], plans["scenario_2"], constants, flawed_walks=0)
+    return _scenario(groups["scenarios"], plans["scenario_2"], constants)

@@ -57,7 +57,7 @@ def test_walks_back_are_told_by_their_places(training):
 def test_a_participant_is_the_same_in_any_shard(training, plans, constants):
     everyone = list(training.participants["participant"])
     some = training.participants.iloc[[17, 4]].reset_index(drop=True)
-    recording, truth = record_training(some, TrainingDesign(), plans, constants, 1, 0, all_participants=everyone)
+    recording, truth = record_training(some, TrainingDesign(), plans, constants, training.seed, 0, all_participants=everyone)
     whole = training.recording[training.recording["participant"].isin(some["participant"])]
     for name in some["participant"]:
         pd.testing.assert_frame_equal(
