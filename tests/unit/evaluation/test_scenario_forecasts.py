@@ -14,6 +14,7 @@ from walklab.evaluation.forecasts import CALIBRATED, EXTENDED, INFORMED, REGRESS
 from walklab.evaluation.long_distance import straight_travel_time_s
 from walklab.evaluation.scenario_forecasts import Learned, asked_walks, durations, forecast_scenario, known_walks
 from walklab.evaluation.subject_scores import OWN_MAP
+from walklab.evaluation.tracing import drawn_energy
 from walklab.evaluation.trials import simulate_trials
 from walklab.geometry import curves
 from walklab.geometry.standing import Standing
@@ -157,6 +158,10 @@ def test_times_maps_and_vectors_are_each_walks_own(learned: Learned, asked_for: 
     # The trajectory that goes with it is near the captured one; one vector for everybody is farther off.
     assert asked.own_map_m.mean() < 0.5 * asked.static_m.mean()
     assert (asked.static_m != asked.adaptive_m).any()
+    # Followed once more by itself, the oracle's cell is as far off as among all cells.
+    best = score_walks(PLANNER, pack(asked_for, routes_of(asked_for), PLANNER), SPACE.cells, "euclid", LIMIT_S).argmin(axis=1)
+    alone = drawn_energy(asked_for, routes_of(asked_for), PLANNER, SPACE.cells[best][:, None], LIMIT_S)
+    np.testing.assert_allclose(alone, asked.own_map_m, atol=0.03)
 
 
 def test_the_extended_models_energy_score_is_of_its_own_draws(learned: Learned, asked_for: list[Walk]) -> None:
