@@ -57,7 +57,7 @@ def fig_scores(scores: pd.DataFrame, summary: pd.DataFrame) -> Figure:
         ax.tick_params(axis="y", length=0)
         ax.grid(axis="x")
         letter(ax, index)
-    panels[0].set_yticks(range(len(models)), [model_label(model) for model in models])
+    panels[0].set_yticks(range(len(models)), [model_label(model).replace(", ", ",\n") for model in models])
     handles = [
         Line2D([], [], marker="o", color="#888888", ls="none", ms=4, alpha=0.6, label="one participant (area: number of walks)"),
         Line2D([], [], marker="D", color=BLACK, mfc="white", lw=1.2, ms=4.5, label="mean over participants, 95 % interval"),
