@@ -195,4 +195,14 @@ def paced(members_s: Array, mean: Array, sd: Array, rest_sd: float, levels: Arra
     nodes = student((np.arange(NODES) + 0.5) / NODES, degrees[:, None])
     effects = np.exp(mean[:, None] + np.sqrt(sd**2 + rest_sd**2)[:, None] * nodes)
     mixed = (effects[:, :, None] * members_s[:, None, :]).reshape(len(members_s), -1)
-    return np.asarray(np.quantile(mixed, levels, axis=1).T)
+    return _quantiles(mixed, levels)
+
+
+def _quantiles(members: Array, levels: Array) -> Array:
+    """``numpy.quantile`` along each row, to the last digit; for many levels sorting once is some thirty times as fast."""
+    ascending = np.sort(members, axis=1)
+    at = levels * (ascending.shape[1] - 1)
+    before = np.floor(at).astype(int)
+    share, low = at - before, ascending[:, before]
+    high = ascending[:, np.minimum(before + 1, ascending.shape[1] - 1)]
+    return np.where(share < 0.5, low + (high - low) * share, high - (high - low) * (1 - share))

@@ -9,6 +9,7 @@ import pandas as pd
 import pytest
 import scoringrules as sr
 from scipy import stats
+from scipy.special import ndtri
 
 from walklab.errors import InputError
 from walklab.evaluation.calibration import (
@@ -25,7 +26,7 @@ from walklab.evaluation.forecasts import INFORMED, Asked, Known, all_forecasts
 from walklab.evaluation.subject_scores import OWN_MAP
 from walklab.planning.tracing import Traces
 from walklab.steering.blending_space import homogenise
-from walklab.steering.pace import PaceEffect, fit_pace, fit_trend, paced, rest_of
+from walklab.steering.pace import NODES, PaceEffect, fit_pace, fit_trend, paced, rest_of
 from walklab.steering.sharpness import LADDER, Sharpness, cell_volumes
 from walklab.steering.space import space_from_config
 
@@ -156,6 +157,16 @@ def test_paced_members_are_lognormal_about_a_point() -> None:
     assert np.log(members).std() == pytest.approx(0.1, rel=0.1)
     wider = paced(np.full((1, 50), 3.0), np.array([0.1]), np.array([0.06]), 0.08, levels, 3.0)
     assert np.log(wider).std() > 1.2 * np.log(members).std()
+
+
+def test_paced_members_are_the_quantiles_of_the_mixture_to_the_last_digit() -> None:
+    rng, levels = np.random.default_rng(4), (np.arange(200) + 0.5) / 200
+    members = rng.gamma(3, 1, (20, 50))
+    mean, sd = rng.normal(0, 0.1, 20), rng.uniform(0.02, 0.1, 20)
+    nodes = ndtri((np.arange(NODES) + 0.5) / NODES)
+    effects = np.exp(mean[:, None] + np.hypot(sd, 0.05)[:, None] * nodes)
+    mixed = (effects[:, :, None] * members[:, None, :]).reshape(20, -1)
+    np.testing.assert_allclose(paced(members, mean, sd, 0.05, levels), np.quantile(mixed, levels, axis=1).T, rtol=1e-14)
 
 
 def test_few_people_leave_their_spread_uncertain_by_the_textbook() -> None:
