@@ -22,7 +22,7 @@ from walklab.geometry.scene import Body, Scene, Task
 from walklab.planning.following_kernel import AT_END, CONSTANT, PROPORTIONAL, Rule, follow_route, sweep
 from walklab.planning.lane_kernel import group_cells, sweep_lanes
 from walklab.planning.protocol import Arrival, Trajectory, WalkBatch
-from walklab.planning.routes import RouteFinder, prepare_route, prepare_routes
+from walklab.planning.routes import RouteFinder, prepare_route
 
 Array = NDArray[np.float64]
 
@@ -187,7 +187,7 @@ class PathFollowing:
         scores = np.empty((len(batch), len(values)))
         if not scores.size:
             return scores
-        routes, offsets = prepare_routes(_floats(batch.routes_m), batch.route_offsets.astype(np.int64))
+        routes, offsets = batch.prepared_routes
         frame_offsets = batch.captured_offsets.astype(np.int64)
         speeds = _floats(batch.start_speeds_m_s), _floats(batch.end_speeds_m_s)
         packed = routes, offsets, _floats(batch.captured_m), frame_offsets, speeds, _floats(batch.lengths_m)

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
+from functools import cached_property
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -91,6 +92,13 @@ class WalkBatch:
 
     def __len__(self) -> int:
         return len(self.lengths_m)
+
+    @cached_property
+    def prepared_routes(self) -> tuple[Array, NDArray[np.int64]]:
+        """The routes of :func:`walklab.planning.routes.prepare_routes`: a fit sweeps the same walks hundreds of times."""
+        from walklab.planning.routes import prepare_routes  # late: it compiles, and not every planner asks for it
+
+        return prepare_routes(np.ascontiguousarray(self.routes_m, dtype=float), self.route_offsets.astype(np.int64))
 
 
 @runtime_checkable
