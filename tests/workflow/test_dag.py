@@ -186,6 +186,7 @@ def test_a_changed_parameter_reruns_its_stage_and_what_follows(finished_copy):
     assert not planned & {"score_maps", "build_space", "simulate_trials", "record_training"}
 
 
+@pytest.mark.slow  # the tests of faults kill a shorter part of the study at random moments
 def test_a_run_killed_with_sigkill_resumes_to_identical_results(finished, project):
     arguments = ("--cores", "2", *TINY, "--until", "simulate_trials")
     process = project.start(*arguments)
@@ -285,7 +286,7 @@ def test_acclaim_recordings_go_through_the_same_chain(project):
     project.run("--cores", "2", "--configfile", *configurations, "--until", "publish_scores")
     scores = pd.read_csv(project.folder / "results/acclaim/scores.csv")
     people = scores.groupby("model")["participant"].nunique()
-    assert {"P_Stat", "P_Adapt", "P_Prob", "climatology", "regression"} <= set(people.index)
+    assert {"P_Stat (point)", "P_Adapt (point)", "P_Prob (literal)", "climatology", "regression"} <= set(people.index)
     assert (people == len(subjects)).all(), "a row per subject and model"
     assert not scores.duplicated(["participant", "model"]).any()
     assert scores["crps_s"].gt(0).all()

@@ -199,7 +199,7 @@ def fig13(ablations: pd.DataFrame, published: Mapping[str, float], calibrated: p
             ax.axvline(float(full.iloc[0]), color=colour(model), lw=0.6, ls=(0, (3, 2)), zorder=0)
         for place, (value, low, high) in enumerate(table[["value", "low", "high"]].to_numpy(dtype=float)):
             ax.plot([low, high], [place + offset] * 2, color=colour(model), lw=1.2)
-            ax.plot(value, place + offset, "o", color=colour(model), ms=4.5)
+            ax.plot(value, place + offset, "o", color=colour(model), ms=4.5, label=model)
     stated = [(published[name], place + 0.22) for place, name in enumerate(ablations["variant"]) if name in published]
     if stated:
         ax.plot(*np.array(stated).T, label="published", **PUBLISHED_MARK)

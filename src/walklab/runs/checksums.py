@@ -124,7 +124,7 @@ def _recorded(path: Path) -> set[str]:
     # A job's log lies beside its products or one folder above; what is shown at the top of a run, in its stage's folder.
     folders = (path.parent, path.parent.parent)
     beside = _named([folder / MANIFEST for folder in folders], path)
-    return beside or _named([m for f in folders for stages in ("0/*", "*") for m in f.glob(f"{stages}/{MANIFEST}")], path)
+    return beside or _named([m for f in folders for stages in ("[0-9]*/*", "*") for m in f.glob(f"{stages}/{MANIFEST}")], path)
 
 
 def _named(manifests: Iterable[Path], path: Path) -> set[str]:

@@ -40,7 +40,7 @@ def test_linear_maps_are_predicted_exactly_between_neighbours_and_missed_by_the_
 @pytest.mark.parametrize(("k", "how"), [(1, "linear"), (5, "linear"), (5, "inverse"), (18, "linear"), (19, "linear")])
 def test_errors_equal_those_of_spaces_built_without_each_map(k: int, how: str) -> None:
     rng = np.random.default_rng(0)
-    vectors, maps = rng.normal(size=(20, 1)), rng.random((20, 9))
+    vectors, maps = rng.uniform(1, 5, (20, 1)), rng.random((20, 9))
     found = k_nearest_errors(blending_space(["length"], ["m"], vectors, maps, ONE), k, how)["error_percent"]  # type: ignore[arg-type]
     for index, error in enumerate(found):
         rest = np.arange(20) != index
@@ -59,7 +59,7 @@ def test_a_map_is_never_its_own_neighbour_where_many_share_a_vector() -> None:
 
 def test_blends_count_to_the_participant_of_their_largest_parent() -> None:
     rng = np.random.default_rng(1)
-    vectors, maps = rng.normal(size=(12, 1)), rng.random((12, 5))
+    vectors, maps = rng.uniform(1, 5, (12, 1)), rng.random((12, 5))
     space = homogenise(vectors, maps, 20, 4, 2, 0.1, rng, names=("length",), scaling=ONE, minimum=[-np.inf])
     people = [f"P{i % 3}" for i in range(12)]
     table = k_nearest_errors(space, 3, participants=people)

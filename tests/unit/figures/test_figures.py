@@ -144,7 +144,7 @@ def test_published_markers_are_hollow() -> None:
 
 
 def test_our_values_stand_where_they_belong() -> None:
-    assert labelled(FIGURES["fig13"]().axes[0], "ours")[:, 0].tolist() == [0.5, 0.52, 0.7]
+    assert labelled(FIGURES["fig13"]().axes[0], "P_Prob (calibrated)")[:, 0].tolist() == [0.5, 0.52, 0.7]
     assert labelled(FIGURES["fig14"]().axes[1], "ours")[:, 1].tolist() == [0.01, 0.05]
     ratio, beyond = labelled(FIGURES["claims"]().axes[0], "ours")
     assert ratio.tolist() == pytest.approx([0.6 / 0.5, 0])
