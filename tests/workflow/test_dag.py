@@ -77,7 +77,9 @@ def test_the_whole_study_leaves_every_figure_table_and_record(finished):
     assert len(claims) > 50
     scores, calibration = pd.read_csv(results / "scores.csv"), pd.read_csv(results / "calibration.csv")
     assert {"scenario", "hull", "model", "crps_s", "coverage_90", "pit_distance"} <= set(scores)
-    assert {"P_Stat with residual spread", "P_Prob (literal)", "P_Prob (calibrated)", "P_Prob (extended)", "regression"} <= set(scores["model"])
+    assert {"P_Stat with residual spread", "P_Prob (literal)", "P_Prob (calibrated)", "P_Prob (extended)", "regression"} <= set(
+        scores["model"]
+    )
     assert {"coverage", "pit", "crps_by_exponent", "required_coverage"} <= set(calibration["quantity"])
     for name in ("scores", "calibration", "pit"):
         for suffix in ("svg", "png"):
