@@ -33,8 +33,7 @@ def digest(script: str | Path, folder: str | Path) -> str:
     """
     script, folder = Path(script), Path(folder)
     local = _local_helpers(script)
-    tree = ast.parse(script.read_text())
-    names = _imported(tree) | {name for path in local for name in _imported(ast.parse(path.read_text()))}
+    names = {name for path in (script, *local) for name in _imported(path.read_text())}
     graph = _graph(str(folder))
     modules = _reachable(graph, {name for name in names if name.split(".")[0] == PACKAGE})
     externals = {name.split(".")[0] for name in names} | {
@@ -66,22 +65,23 @@ def _local_helpers(script: Path) -> list[Path]:
     found: set[Path] = set()
     open_paths = [script]
     while open_paths:
-        names = _imported(ast.parse(open_paths.pop().read_text()))
+        names = _imported(open_paths.pop().read_text())
         new = {path for name in names if (path := script.parent / f"{name}.py").is_file()} - found - {script}
         found |= new
         open_paths += sorted(new)
     return sorted(found)
 
 
-def _imported(tree: ast.AST) -> set[str]:
+@lru_cache(maxsize=1024)
+def _imported(source: str) -> frozenset[str]:
     found: set[str] = set()
-    for node in ast.walk(tree):
+    for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Import):
             found |= {alias.name for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module and node.level == 0:
             # ``from walklab.planning import registry`` may name a module or an attribute.
             found |= {node.module} | {f"{node.module}.{alias.name}" for alias in node.names}
-    return found
+    return frozenset(found)
 
 
 def _reachable(graph: grimp.ImportGraph, names: set[str]) -> set[str]:
@@ -101,22 +101,29 @@ def _file(module: str, folder: Path) -> Path:
 
 
 def _normalised(path: Path) -> str:
-    """The syntax tree of a file without comments and docstrings."""
+    """Hash of the syntax tree of a file without comments and docstrings."""
     return _without_comments(path.read_text())
 
 
 @lru_cache(maxsize=1024)
 def _without_comments(source: str) -> str:
     tree = ast.parse(source)
-    for node in ast.walk(tree):
-        body = getattr(node, "body", None)
-        if (
-            isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef)
-            and body
-            and _is_docstring(body[0])
-        ):
-            node.body = body[1:]
-    return ast.dump(tree)
+    _drop_docstrings(tree)
+    # A hash, not the tree: sixty scripts join those of a hundred modules.
+    return hashlib.sha256(ast.dump(tree).encode()).hexdigest()
+
+
+def _drop_docstrings(node: ast.AST) -> None:
+    """From a module, class or function and all within; only statements are visited, for expressions hold no docstrings."""
+    for name in ("body", "orelse", "finalbody", "handlers", "cases"):
+        statements = getattr(node, name, None)
+        if not isinstance(statements, list):  # a lambda's body is an expression
+            continue
+        documented = isinstance(node, ast.Module | ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef) and name == "body"
+        if documented and statements and _is_docstring(statements[0]):
+            del statements[0]
+        for statement in statements:
+            _drop_docstrings(statement)
 
 
 def _is_docstring(node: ast.stmt) -> bool:

@@ -102,12 +102,16 @@ def pair_table(
     power_are and, simulated, power_walks, power_participants, size_walks, size_participants. The mixed model and what is
     simulated are missing where fewer than :data:`LEAST_PEOPLE` people have walks.
     """
-    found = []
+    found, answers = [], {}
     for (scenario, hull), part in parts(rows):
         for first, second in questions(part["model"].unique()) if pairs is None else pairs:
             table = paired(part[part["model"].isin([first, second])], first, second, column)
             row = {"scenario": scenario, "hull": hull, "first": first, "second": second}
-            found.append(row | _tested(table, rng, resamples, alpha))
+            # Where all walks lie on one side of the training range, that part and all walks are one question.
+            asked = (scenario, first, second, tuple(table["walk"]))
+            if asked not in answers:
+                answers[asked] = _tested(table, rng, resamples, alpha)
+            found.append(row | answers[asked])
     frame = pd.DataFrame(found)
     for _, same in frame.groupby("hull", sort=False):
         for name in P_VALUES:
