@@ -97,6 +97,7 @@ def test_the_tiny_study_on_a_cluster_gives_the_local_files(cluster, study, tally
         study.assert_undisturbed()
 
 
+@pytest.mark.slow
 def test_shards_that_are_ready_together_are_one_array(cluster, done):
     done.remove("score_maps", "build_space", "train_model")
     output = finish(done.project.start(*ON_CLUSTER, *done.arguments[2:]))
