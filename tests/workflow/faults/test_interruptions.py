@@ -67,6 +67,7 @@ def test_a_killed_job_is_named_and_done_again(done, tally):
         done.assert_undisturbed()
 
 
+@pytest.mark.slow
 def test_jobs_go_on_when_only_snakemake_is_killed_and_the_run_is_taken_up_after_them(done, tally):
     done.remove("score_maps", "build_space", "train_model")
     with tally.attempt("SIGKILL of Snakemake alone"):
