@@ -57,13 +57,13 @@ multiverse: .venv/ready
 	$(SNAKEMAKE) multiverse
 	$(SNAKEMAKE) multiverse --report results/multiverse/snakemake_report.zip
 
-# One call, the longest files first, and a worker more than two cores: tests of the DAG wait for jobs much of their time.
+# One call, the longest files first. A third worker makes it no faster on two cores (tried).
 test: .venv/ready .venv/tracking .venv/validator/ready
-	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 3 --dist loadfile --no-loadscope-reorder -m "not slow"
+	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder -m "not slow"
 
 # With the simulators, so that the examples that use them run.
 test-all: .venv/ready .venv/tracking .venv/validator/ready .venv/peers/ready
-	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 3 --dist loadfile --no-loadscope-reorder
+	$(BIN)/python -m pytest tests/workflow tests/unit tests/examples tests/security -n 2 --dist loadfile --no-loadscope-reorder
 
 # One core where a row says so, and the BLAS kernels that the processor wants: neither may slow a baseline.
 BENCH := env -u OPENBLAS_CORETYPE -u OPENBLAS_L2_SIZE OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MKL_NUM_THREADS=1
