@@ -135,17 +135,18 @@ ACCLAIM = {
 }
 
 
-def read_acclaim(folder: Path, **words: str) -> None:
+def read_acclaim(folder: Path, **words: str) -> dict[str, np.ndarray]:
     filled = HARMLESS | words
     (folder / "walk.asf").write_text(SKELETON.format(**filled))
     (folder / "walk.amc").write_text(MOTION.format(**filled))
     skeleton = read_skeleton(folder / "walk.asf")
-    positions = joint_positions(skeleton, read_motion(folder / "walk.amc", skeleton))
-    assert all(np.isfinite(points).all() for points in positions.values())
+    return joint_positions(skeleton, read_motion(folder / "walk.amc", skeleton))
 
 
 def test_the_harmless_acclaim_recording_is_read(tmp_path):
-    read_acclaim(tmp_path)
+    positions = read_acclaim(tmp_path)
+    assert positions
+    assert all(np.isfinite(points).all() for points in positions.values())
 
 
 @pytest.mark.parametrize("name", ACCLAIM)
