@@ -10,7 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from scipy.ndimage import gaussian_filter1d
 
-from walklab.capture.walks import ACCEPTED, SAMPLES, WALKS
+from walklab.capture.walks import ACCEPTED, SAMPLES, WALKS, check
 from walklab.errors import InputError
 from walklab.geometry.curves import length, mean_curvature
 from walklab.geometry.scene import Point
@@ -176,7 +176,7 @@ def extract_walks(
         raise InputError(f"recording: no walk found in {len(recording)} frames; check units and the standing speeds")
     empty = pd.DataFrame({"walk": pd.Series(dtype=str)} | {name: pd.Series(dtype=float) for name in ("time_s", "x_m", "y_m")})
     table = pd.concat(samples, ignore_index=True) if samples else empty
-    return WALKS.validate(pd.DataFrame(rows)), SAMPLES.validate(table)
+    return check(pd.DataFrame(rows), WALKS, "extracted walks"), check(table, SAMPLES, "extracted walks")
 
 
 def _recordings(recording: pd.DataFrame) -> Iterator[tuple[str, pd.DataFrame]]:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from walklab.evaluation.scoring_rules import scoring_rules
+
 Array = NDArray[np.float64]
 
 
@@ -20,7 +22,5 @@ def ensemble_crps(observed: Array, members: Array) -> Array:
     -------
     (W,) array in the unit of the forecasts; for a single member it is the absolute error
     """
-    import scoringrules  # late: it compiles some thirty functions on import, which takes seconds in every process
-
-    scores = scoringrules.crps_ensemble(observed, members, estimator="qd")
+    scores = scoring_rules().crps_ensemble(observed, members, estimator="qd", backend="numpy")
     return np.asarray(scores, dtype=float).reshape(len(observed))

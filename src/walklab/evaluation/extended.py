@@ -10,6 +10,7 @@ import pandas as pd
 from numpy.typing import NDArray
 
 from walklab.evaluation.folds import by_participant
+from walklab.evaluation.scoring_rules import scoring_rules
 from walklab.steering.learned import Pace
 from walklab.steering.pace import fit_pace, fit_trend, rest_of, student
 from walklab.steering.sharpness import Sharpness
@@ -126,11 +127,10 @@ class _Learner:
                 mean[place, own] = start + effect
                 rest = np.sqrt(self.moments.variance[own] + pace.rest_sd**2)
                 spread[place, own], freedom[place, own] = np.hypot(sd, rest), pace.effect.freedom(sd, float(rest.mean()))
-        import scoringrules as sr  # late: most rules that reach this module score nothing
-
         found: dict[str, float] = {}
+        rules = scoring_rules()
         for place, suffix in enumerate(("", "_earlier")):
-            crps = np.asarray(sr.crps_lognormal(self.captured_s, mean[place], spread[place]))
+            crps = np.asarray(rules.crps_lognormal(self.captured_s, mean[place], spread[place], backend="numpy"))
             reach = student(0.95, freedom[place]) * spread[place]
             covered = np.abs(np.log(self.captured_s) - mean[place]) <= reach
             by_person = pd.DataFrame({"crps": crps, "covered": covered}).groupby(self.owners).mean().mean()
