@@ -16,16 +16,16 @@ from numpy.typing import ArrayLike, NDArray
 from walklab.errors import InputError
 from walklab.steering.arguments import as_numbers, check_values
 from walklab.steering.scaling import Scaling, fit_scaling
-from walklab.steering.search import SearchTree, search_tree
+from walklab.steering.search import DEEPEST, SearchTree, gap_to_box, search_tree
 from walklab.steering.weighting import Weighting, weights
 
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
+Tree = tuple[Array, Indices, Array]
 
 MAP_RANGE = (0.0, 1.0)  # suitability
 ROUNDING = 1e-9  # a blend of zeros may come out this far below zero
 BATCH = 4096  # candidates drawn at once, which bounds the memory
-TILE = 1024  # candidates whose distances stay in the fastest cache
 
 
 @dataclass(frozen=True)
@@ -189,7 +189,7 @@ def homogenise(
     )
     # Walks that are alike in all dependencies are one place.
     places = np.unique(scale.apply(original.vectors), axis=0)
-    chosen = _farthest_first(places, np.ascontiguousarray(scale.apply(blended).T), missing)
+    chosen = _farthest_first(places, scale.apply(blended), missing)
     return _extend(original, parents[chosen], shares[chosen], blended[chosen])
 
 
@@ -227,33 +227,69 @@ def _blend_weights(rows: int, size: int, delta: float, rng: np.random.Generator)
 
 
 @njit(cache=True)
-def _lower_gaps(gaps: Array, candidates: Array, point: Array) -> None:
-    """Lower the squared distance of each of (D, N) candidates to its nearest entry, now that ``point`` is one."""
-    squares = np.empty(TILE)
-    for first in range(0, len(gaps), TILE):
-        own = gaps[first : first + TILE]
-        squares[:] = 0.0
-        for d in range(len(point)):
-            at, along = point[d], candidates[d, first : first + TILE]
-            for j in range(len(along)):
-                squares[j] += (along[j] - at) * (along[j] - at)
-        for j in range(len(own)):
-            own[j] = squares[j] if squares[j] < own[j] else own[j]
+def _lower_gaps(tree: Tree, at: Array, gaps: Array, highest: Array, place: Indices) -> None:
+    """Lower the squared distance of each candidate to its nearest entry, now that there is one ``at`` this place.
+
+    Parameters
+    ----------
+    tree : points, order and boxes of a search tree over the candidates; branches that are too far away are left alone
+    gaps : (N,) squared distances, in the order of the leaves
+    highest, place : of each node, its largest gap and the leaf position of the candidate that has it (lowest index on ties)
+    """
+    points, order, boxes = tree
+    inner = len(boxes) // 2
+    waiting = np.empty((DEEPEST, 3), np.int64)  # node and the range of its points
+    waiting[0] = 0, 0, len(points)
+    parents = np.empty(inner, np.int64)
+    depth, passed = 1, 0
+    while depth:
+        depth -= 1
+        node, first, last = waiting[depth]
+        if gap_to_box(boxes[node], at) > highest[node]:
+            continue
+        if node < inner:
+            parents[passed] = node
+            passed += 1
+            middle = (first + last) // 2
+            waiting[depth] = 2 * node + 1, first, middle
+            waiting[depth + 1] = 2 * node + 2, middle, last
+            depth += 2
+            continue
+        highest[node], place[node] = -np.inf, first
+        for i in range(first, last):
+            square = 0.0
+            for axis in range(len(at)):
+                square += (points[i, axis] - at[axis]) ** 2
+            gaps[i] = min(gaps[i], square)
+            if gaps[i] > highest[node] or (gaps[i] == highest[node] and order[i] < order[place[node]]):
+                highest[node], place[node] = gaps[i], i
+    for j in range(passed - 1, -1, -1):
+        left, right = 2 * parents[j] + 1, 2 * parents[j] + 2
+        tied = highest[left] == highest[right]
+        better = order[place[right]] < order[place[left]] if tied else highest[right] > highest[left]
+        chosen = right if better else left
+        highest[parents[j]], place[parents[j]] = highest[chosen], place[chosen]
 
 
 @njit(cache=True)
-def _farthest_first(existing: Array, candidates: Array, count: int) -> Indices:
-    """Indices of ``count`` of (D, N) candidates, each the farthest from all entries chosen before it (lowest index on ties)."""
-    gaps = np.full(candidates.shape[1], np.inf)
+def _chosen(tree: Tree, existing: Array, count: int) -> Indices:
+    points, order, boxes = tree
+    gaps, highest, place = np.full(len(points), np.inf), np.full(len(boxes), np.inf), np.zeros(len(boxes), np.int64)
     for i in range(len(existing)):
-        _lower_gaps(gaps, candidates, existing[i])
+        _lower_gaps(tree, existing[i], gaps, highest, place)
     chosen = np.empty(count, np.int64)
     for step in range(count):
-        best = int(np.argmax(gaps))
-        chosen[step] = best
-        _lower_gaps(gaps, candidates, candidates[:, best].copy())
+        best = place[0]
+        chosen[step] = order[best]
         gaps[best] = -1.0  # never twice
+        _lower_gaps(tree, points[best], gaps, highest, place)
     return chosen
+
+
+def _farthest_first(existing: Array, candidates: Array, count: int) -> Indices:
+    """Indices of ``count`` of (N, D) candidates, each the farthest from all entries chosen before it (lowest index on ties)."""
+    tree = search_tree(candidates)
+    return _chosen((tree.points, tree.order, tree.boxes), existing, count)
 
 
 def _extend(space: BlendingSpace, parents: Indices, shares: Array, vectors: Array) -> BlendingSpace:

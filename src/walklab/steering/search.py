@@ -125,7 +125,7 @@ def select(keys: Array, values: Indices, place: int) -> None:
 
 
 @njit(cache=True, nogil=True)
-def _gap_to_box(box: Array, at: Array) -> float:
+def gap_to_box(box: Array, at: Array) -> float:
     """Squared distance from a point to a box, 0 inside."""
     total = 0.0
     for axis in range(len(at)):
@@ -158,7 +158,7 @@ def nearest(points: Array, order: Indices, boxes: Array, at: Array, count: int, 
         while node < inner:  # down into the nearer half; the other one waits
             near, far = 2 * node + 1, 2 * node + 2
             middle = (first + last) // 2
-            to_near, to_far = _gap_to_box(boxes[near], at), _gap_to_box(boxes[far], at)
+            to_near, to_far = gap_to_box(boxes[near], at), gap_to_box(boxes[far], at)
             if to_far < to_near:
                 near, far, to_near, to_far = far, near, to_far, to_near
             lower_is_near = near < far

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from walklab.errors import InputError
-from walklab.steering.blending_space import blending_space, homogenise
+from walklab.steering.blending_space import _farthest_first, blending_space, homogenise
 from walklab.steering.density import density
 from walklab.steering.scaling import fit_scaling
 from walklab.steering.weighting import weights
@@ -83,6 +83,19 @@ def test_each_chosen_blend_is_the_farthest_candidate():
     )
     # Halving the widest gap each time gives eighths.
     assert np.sort(space.vectors[:, 0]) == pytest.approx(np.arange(9) / 8, abs=0.01)
+
+
+@pytest.mark.parametrize("dimensions", [1, 2, 3])
+def test_pruned_choices_equal_brute_force_with_ties(dimensions):
+    rng = np.random.default_rng(dimensions)
+    existing, candidates = (rng.normal(size=(n, dimensions)).round(1) for n in (20, 700))
+    gaps = np.min([np.sum((candidates - point) ** 2, axis=1) for point in existing], axis=0)
+    expected = []
+    for _ in range(690):
+        expected.append(int(np.argmax(gaps)))
+        gaps = np.minimum(gaps, np.sum((candidates - candidates[expected[-1]]) ** 2, axis=1))
+        gaps[expected[-1]] = -1.0
+    assert _farthest_first(existing, candidates, 690).tolist() == expected
 
 
 def test_same_generator_same_blends(captured):
