@@ -90,7 +90,6 @@ def test_the_cluster_of_a_test_that_runs_is_left_alone(cluster):
     assert INSTALLED.is_symlink()
 
 
-@pytest.mark.slow  # CI runs the small study instead
 def test_the_tiny_study_on_a_cluster_gives_the_local_files(cluster, study, tally):
     with tally.attempt("Slurm instead of this machine"):
         output = finish(study.project.start(*ON_CLUSTER, *study.arguments[2:]))
