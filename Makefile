@@ -11,6 +11,7 @@
 # make crate    pack it as a Workflow Run RO-Crate
 # make large    capture, maps and blending space of 50 000 walks
 # make sizing   what 10^3 to 10^7 walks cost, from the runs of make and make large: docs/cluster.md
+# make model-card  docs/model-card.md, from the runs of make and make real
 # make docs     the documentation as a site: build/site      make audit   known holes in locked packages
 # make container   the Containerfile, from the lock file
 # make manual   config/README.md, docs/data.md      make lock   the lock files
@@ -21,7 +22,7 @@ BIN := .venv/bin
 SNAKEMAKE := $(BIN)/snakemake
 export WALKLAB_DATA ?= ../shared/data
 
-.PHONY: all small resampled real own multiverse replicates recovery test test-all bench track crate large sizing lint manual docs audit container lock clean
+.PHONY: all small resampled real own multiverse replicates recovery test test-all bench track crate large sizing lint manual model-card docs audit container lock clean
 .DEFAULT_GOAL := all
 
 all: .venv/ready
@@ -102,6 +103,9 @@ lint: .venv/ready
 
 manual: .venv/ready
 	$(BIN)/python workflow/manual.py
+
+model-card: .venv/ready
+	$(BIN)/python workflow/model_card.py
 
 docs: .venv/docs/ready
 	.venv/docs/bin/zensical build --strict
