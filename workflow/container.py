@@ -14,7 +14,7 @@ from walklab.storage import write_text
 ROOT = Path(__file__).resolve().parent.parent
 TARGET = ROOT / "Containerfile"
 
-TEMPLATE = """# Generated from requirements.lock by `make container`. Build: podman build -t walklab .
+TEMPLATE = """# Generated from requirements.lock by `make container`. Build: docs/reuse.md, "In a container"
 # Run: podman run --rm -v "$PWD/results:/walklab/results" walklab
 FROM docker.io/library/python:{python}-slim-bookworm
 LABEL org.opencontainers.image.title="walklab" \\
@@ -27,6 +27,11 @@ COPY . .
 RUN python -m pip install --no-cache-dir --no-deps --no-build-isolation -e . && chmod -R a+rwX /walklab
 # Jobs compile their kernels on first use; the cache must be writable for whoever runs the image.
 ENV NUMBA_CACHE_DIR=/tmp/numba
+# The image has neither git nor the history: run.json tells the commit that is given here. Last, so that nothing is built again.
+ARG WALKLAB_COMMIT
+ARG WALKLAB_DIRTY
+ENV WALKLAB_COMMIT=$WALKLAB_COMMIT WALKLAB_DIRTY=$WALKLAB_DIRTY
+LABEL org.opencontainers.image.revision=$WALKLAB_COMMIT
 ENTRYPOINT ["snakemake"]
 CMD ["--cores", "all"]
 """

@@ -127,7 +127,7 @@ def processor(source: str | Path = "/proc/cpuinfo") -> str:
 
 
 def commit(root: str | Path) -> dict[str, Any]:
-    """The commit of the checkout and whether files differ from it; empty outside of git."""
+    """The commit of the checkout and whether files differ from it; where git knows none, what an image was built from."""
 
     def git(*arguments: str) -> str:
         done = subprocess.run(["git", "-C", str(root), *arguments], capture_output=True, text=True, check=False)
@@ -135,6 +135,12 @@ def commit(root: str | Path) -> dict[str, Any]:
 
     try:
         identity = git("rev-parse", "HEAD")
-        return {"id": identity, "dirty": bool(git("status", "--porcelain"))} if identity else {}
+        return {"id": identity, "dirty": bool(git("status", "--porcelain"))} if identity else built_from()
     except OSError:
-        return {}
+        return built_from()
+
+
+def built_from() -> dict[str, Any]:
+    """The commit that the Containerfile was given; empty outside of such an image. Dirty unless it was said to be clean."""
+    identity = os.environ.get("WALKLAB_COMMIT", "").strip()
+    return {"id": identity, "dirty": os.environ.get("WALKLAB_DIRTY", "").strip() != "false"} if identity else {}

@@ -6,6 +6,8 @@ import json
 import os
 import platform
 import socket
+import subprocess
+from pathlib import Path
 
 import pandas as pd
 import pytest
@@ -79,8 +81,38 @@ def test_what_has_no_replicates_counts_as_replicate_0(tmp_path):
     assert (cost["stage"], cost["part"], cost["replicate"]) == ("evaluate_specification", "default", 0)
 
 
-def test_outside_of_git_there_is_no_commit(tmp_path):
+def test_outside_of_git_there_is_no_commit(tmp_path, monkeypatch):
+    monkeypatch.delenv("WALKLAB_COMMIT", raising=False)
     assert commit(tmp_path) == {}
+
+
+@pytest.mark.parametrize(("told", "dirty"), [("false", False), ("true", True), ("", True)])
+@pytest.mark.parametrize("has_git", [True, False])
+def test_in_an_image_the_commit_is_the_one_it_was_built_from(has_git, told, dirty, tmp_path, monkeypatch):
+    monkeypatch.setenv("WALKLAB_COMMIT", "0123456789abcdef")
+    monkeypatch.setenv("WALKLAB_DIRTY", told)
+    if not has_git:
+        monkeypatch.setenv("PATH", str(tmp_path))
+    assert commit(tmp_path) == {"id": "0123456789abcdef", "dirty": dirty}
+
+
+def test_git_knows_better_than_the_environment(tmp_path, monkeypatch):
+    git = ("git", "-C", str(tmp_path), "-c", "user.name=A", "-c", "user.email=a@example.org")
+    for arguments in (["init", "--quiet"], ["commit", "--quiet", "--allow-empty", "--message", "first"]):
+        subprocess.run([*git, *arguments], check=True)
+    monkeypatch.setenv("WALKLAB_COMMIT", "0123456789abcdef")
+    found = commit(tmp_path)
+    assert len(found["id"]) == 40
+    assert not found["dirty"]
+    (tmp_path / "new").touch()
+    assert commit(tmp_path) == found | {"dirty": True}
+
+
+@pytest.mark.parametrize("name", ["WALKLAB_COMMIT", "WALKLAB_DIRTY"])
+def test_the_containerfile_passes_the_commit_on(name):
+    lines = (Path(__file__).parents[3] / "Containerfile").read_text().splitlines()
+    given = lines.index(f"ARG {name}")
+    assert any(line.startswith("ENV ") and f"{name}=${name}" in line.split() for line in lines[given:])
 
 
 def test_the_processor_is_read_where_linux_tells_it(tmp_path):
