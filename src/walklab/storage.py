@@ -9,6 +9,7 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import re
 import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -18,6 +19,8 @@ import numpy as np
 import pandas as pd
 
 from walklab.errors import InputError
+
+TEMPORARY_NAME = re.compile(r"\..+\.[a-z0-9_]{8}(\.[^.]+)?")  # a dot, the target's stem, what mkstemp adds, the suffix
 
 
 @contextlib.contextmanager
@@ -38,6 +41,11 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
             leftover.unlink(missing_ok=True)
     finally:
         temporary.unlink(missing_ok=True)
+
+
+def is_temporary(path: str | Path) -> bool:
+    """Whether a file is named as :func:`atomic_path` names what is not whole yet."""
+    return TEMPORARY_NAME.fullmatch(Path(path).name) is not None
 
 
 def _umask() -> int:

@@ -30,6 +30,18 @@ def test_what_a_killed_writer_left_is_removed_by_the_next(tmp_path):
     assert sorted(path.name for path in tmp_path.iterdir()) == [".other.a1b2c3d4.txt", "table.txt"]
 
 
+@pytest.mark.parametrize("name", ["table.csv", "table", "model.v2.safetensors", "checksums.txt"])
+def test_temporary_files_are_told_by_their_names(tmp_path, name):
+    with storage.atomic_path(tmp_path / name) as temporary:
+        assert storage.is_temporary(temporary)
+        assert not storage.is_temporary(tmp_path / name)
+
+
+@pytest.mark.parametrize("name", [".gitignore", ".dockerignore", ".venv", ".pre-commit-config.yaml", "table.a1b2c3d4.csv"])
+def test_other_hidden_files_are_not_temporary(name):
+    assert not storage.is_temporary(name)
+
+
 @pytest.mark.parametrize("name", ["table.parquet", "table.csv"])
 def test_a_table_survives_the_round_trip(tmp_path, name):
     frame = pd.DataFrame({"walk": ["a", "b"], "length_m": [0.5, 1.25]})

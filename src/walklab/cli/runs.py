@@ -84,24 +84,26 @@ def crate(
 
 @plain_errors
 def check(run: Run) -> None:
-    """Look for damaged and half-written files in a run; say what to type.
+    """Look for damaged, missing and half-written files in a run; say what to type.
 
-    A file dated in the future (the clock went back), damaged or not, is dated to now: Snakemake goes by dates.
+    A file of the run dated in the future (the clock went back), damaged or not, is dated to now: Snakemake goes by dates.
     """
     from walklab.runs.checksums import date_back, inspect
 
     found = inspect(run)
     for damage in found.damaged:
         typer.echo(f"{damage.path}: {damage.reason}")
-    if found.missing:
-        typer.echo(f"{len(found.missing)} products are not there (temporary, or removed); Snakemake makes what it needs again")
+    for path in found.missing:
+        typer.echo(f"{path}: missing")
+    if found.temporary:
+        typer.echo(f"{found.temporary} temporary files were deleted after use, as they should be")
     for path in found.half_written:
         typer.echo(f"{path}: left by a job that was killed; the next one that writes this file removes it")
     for path in date_back(run):
         typer.echo(f"{path}: was dated in the future, now dated today")
-    if found.damaged:
-        files = " ".join(damage.path for damage in found.damaged)
-        typer.echo(f"To rebuild (with the --configfile of this run): snakemake --forcerun {files}")
+    if found.damaged or found.missing:
+        again = " ".join(dict.fromkeys([*(damage.rebuild for damage in found.damaged), *found.missing]))
+        typer.echo(f"To rebuild (with the --configfile of this run): snakemake --forcerun {again}")
         raise typer.Exit(DAMAGED)
     typer.echo(f"{found.checked} products are what their jobs wrote")
 

@@ -22,6 +22,7 @@ from scipy.optimize import nnls
 
 from walklab.errors import InputError
 from walklab.runs import cost
+from walklab.runs.checksums import BESIDE
 from walklab.storage import read_json
 
 # Stages that run once a shard, in their order, and the one that all maps meet in.
@@ -30,8 +31,6 @@ MEETING = "build_space"
 # What a job takes that computes next to nothing.
 IDLE = "draw_participants"
 HOUR_S = 3600.0
-# What lies beside the products of a job.
-BESIDE = ("log.txt", "checksums.txt", cost.FILE)
 QUANTITIES = ("cpu_s", "memory_mb", "disk_mb")
 
 
