@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.special import ndtri
 
 from walklab.evaluation.baselines import levels
-from walklab.evaluation.log_regression import column_choices, log_members, log_score, logged
+from walklab.evaluation.log_regression import column_choices, log_members, log_score, logged, simplest
 from walklab.steering.pace import PaceEffect, fit_pace
 
 Array = NDArray[np.float64]
@@ -85,9 +85,10 @@ def fit_gaussian_process(
 ) -> GaussianProcess:
     """A Gaussian process of log T with one length scale per dependency and white noise (scikit-learn).
 
-    The kernel is that of the largest marginal likelihood of a few walks; whether dependencies that belong to a person are among
-    its inputs is chosen by the log score of participants left out of these (by the likelihood itself they always would be: they
-    tell persons apart). The process is then conditioned on all walks.
+    The kernel is a maximum of the marginal likelihood of a few walks, from one start. Whether dependencies that belong to a
+    person are among its inputs is chosen by the log score of participants left out of these (by the likelihood itself they
+    always would be: they tell persons apart), see :func:`walklab.evaluation.log_regression.simplest`. The process is then
+    conditioned on all walks.
 
     Parameters
     ----------
@@ -99,11 +100,10 @@ def fit_gaussian_process(
     times, owners = np.log(np.asarray(durations_s, dtype=float)), np.asarray(participants, dtype=str)
     inputs = logged(vectors)
     rows = np.arange(len(times)) if few is None else few
-    found = [
-        (columns, *_fit_kernel(inputs[rows][:, list(columns)], times[rows], owners[rows]))
-        for columns in column_choices(inputs, owners.tolist())
-    ]
-    columns, kernel, effect, _ = max(found, key=lambda each: each[-1])
+    choices = column_choices(inputs, owners.tolist())
+    found = [_fit_kernel(inputs[rows][:, list(columns)], times[rows], owners[rows]) for columns in choices]
+    taken = simplest(choices, [scores for _, _, scores in found])
+    columns, (kernel, effect, _) = choices[taken], found[taken]
     chosen = inputs[:, list(columns)]
     centre, scale = chosen[rows].mean(axis=0), chosen[rows].std(axis=0)
     # Nothing more is learned here: one factorisation for all walks.
@@ -111,8 +111,8 @@ def fit_gaussian_process(
     return GaussianProcess(columns, centre, scale, process, float(kernel.k2.noise_level * times.var()), effect)
 
 
-def _fit_kernel(inputs: Array, times: Array, owners: NDArray[np.str_]) -> tuple[Any, PaceEffect, float]:
-    """The kernel, people's departures from a process that was conditioned on the others, and their log score."""
+def _fit_kernel(inputs: Array, times: Array, owners: NDArray[np.str_]) -> tuple[Any, PaceEffect, Array]:
+    """The kernel, people's departures from a process that was conditioned on the others, and (people,) their log scores."""
     from sklearn.exceptions import ConvergenceWarning
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import RBF, ConstantKernel, WhiteKernel
@@ -132,8 +132,7 @@ def _fit_kernel(inputs: Array, times: Array, owners: NDArray[np.str_]) -> tuple[
         off[own] = np.linalg.solve(precision[np.ix_(own, own)], pull[own]) * times.std()
     effect = fit_pace(off, owners.tolist())
     spread = float(np.hypot(effect.person_sd, effect.walk_sd))
-    score = float(np.mean([log_score(off[owners == owner], spread) for owner in np.unique(owners)]))
-    return model.kernel_, effect, score
+    return model.kernel_, effect, np.array([log_score(off[owners == owner], spread) for owner in np.unique(owners)])
 
 
 def personal_regression(

@@ -3,7 +3,7 @@
 x is the logarithm of the length and the other dependencies as they are, so that a constant factor is a pace and a coefficient of
 log length a power; in the quadratic version their squares, too. The effect is normal over people, as in P_Prob (extended)
 (:class:`walklab.steering.pace.PaceEffect`), and a person's earlier walks inform it in the same way. Whether what never changes
-within a person (height) is among x is chosen by leaving out one training participant after the other.
+within a person (height) is among x is chosen by leaving out one training participant after the other (:func:`simplest`).
 """
 
 from __future__ import annotations
@@ -41,6 +41,25 @@ def column_choices(vectors: Array, participants: Sequence[str]) -> list[tuple[in
     every, personal = spread_columns(vectors), personal_columns(vectors, participants)
     general = tuple(column for column in every if column not in personal)
     return [general, every] if general and general != every else [every]
+
+
+def simplest(choices: Sequence[tuple[int, ...]], scores: Sequence[Array]) -> int:
+    """Which choice of columns to take: the first, unless a later one is better by more than one standard error.
+
+    Without that margin, height would come in by chance among some thirty people, and forecasts for statures that nobody of them
+    had would be far off. The rule of one standard error is that of Breiman, Friedman, Olshen & Stone (1984), section 3.4.3.
+
+    Parameters
+    ----------
+    choices : fewest columns first
+    scores : (people,) score of each participant when left out, one array per choice; more is better
+    """
+    taken = 0
+    for later in range(1, len(choices)):
+        gain = np.asarray(scores[later]) - np.asarray(scores[taken])
+        if gain.mean() > gain.std(ddof=1) / np.sqrt(len(gain)):
+            taken = later
+    return taken
 
 
 @dataclass(frozen=True)
@@ -116,7 +135,8 @@ def fit_log_regression(durations_s: ArrayLike, vectors: ArrayLike, participants:
     choices = column_choices(logged(known), owners.tolist())
     if len(choices) > 1 and len(np.unique(owners)) >= LEAST_PEOPLE:
         splits = list(by_participant(owners).values())
-        choices = [max(choices, key=lambda columns: _left_out_score(times, known, owners, columns, degree, splits))]
+        scores = [_left_out_scores(times, known, owners, columns, degree, splits) for columns in choices]
+        choices = [choices[simplest(choices, scores)]]
     return _fit(times, known, owners, choices[-1], degree)
 
 
@@ -131,16 +151,16 @@ def _fit(times: Array, vectors: Array, owners: NDArray[np.str_], columns: tuple[
     return LogRegression(*frame, coefficients, fit_pace(times - design @ coefficients, owners.tolist()))
 
 
-def _left_out_score(
+def _left_out_scores(
     times: Array, vectors: Array, owners: NDArray[np.str_], columns: tuple[int, ...], degree: int, splits: list[tuple[Rows, Rows]]
-) -> float:
-    """Mean log score of each participant's walks under a regression of the others; participants count the same."""
+) -> Array:
+    """(people,) mean log score of each participant's walks under a regression of the others."""
     scores = []
     for known, own in splits:
         model = _fit(times[known], vectors[known], owners[known], columns, degree)
         off = times[own] - model.fitted(vectors[own]) - model.effect.mean
         scores.append(log_score(off, np.hypot(model.effect.new_person_sd, model.effect.walk_sd)))
-    return float(np.mean(scores))
+    return np.array(scores)
 
 
 def log_score(off: Array, sd: ArrayLike) -> float:

@@ -75,7 +75,7 @@ def test_people_are_left_out_of_the_process_as_by_conditioning_on_the_others() -
     rng = np.random.default_rng(5)
     x, owners, who = people(6, 8, rng)
     times = 0.5 * x[:, 0] + rng.normal(0, 0.3, 6)[who] + rng.normal(0, 0.1, 48)
-    kernel, effect, score = _fit_kernel(x[:, :2], times, np.array(owners))
+    kernel, effect, scores = _fit_kernel(x[:, :2], times, np.array(owners))
     at, standard = (x[:, :2] - x[:, :2].mean(axis=0)) / x[:, :2].std(axis=0), (times - times.mean()) / times.std()
     off = np.empty(48)
     for person in range(6):
@@ -88,4 +88,5 @@ def test_people_are_left_out_of_the_process_as_by_conditioning_on_the_others() -
     assert effect.walk_sd == pytest.approx(np.sqrt(within))
     assert effect.person_sd == pytest.approx(np.sqrt(max(means.var(ddof=1) - within / 8, 0)))
     spread = np.hypot(effect.person_sd, effect.walk_sd)
-    assert score == pytest.approx(np.mean(-np.log(spread) - off**2 / spread**2 / 2))
+    each = -np.log(spread) - off**2 / spread**2 / 2
+    assert scores == pytest.approx([each[who == person].mean() for person in range(6)])

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from walklab.evaluation.log_regression import fit_log_regression, log_score
+from walklab.evaluation.log_regression import fit_log_regression, log_score, simplest
 
 PEOPLE, WALKS = 40, 15
 
@@ -69,3 +69,11 @@ def test_a_new_persons_spread_is_the_textbooks() -> None:
 def test_log_score_is_the_normal_density_up_to_a_constant() -> None:
     off = np.array([0.1, -0.3])
     assert log_score(off, 0.2) == pytest.approx(stats.norm.logpdf(off, 0, 0.2).mean() + 0.5 * np.log(2 * np.pi))
+
+
+def test_an_input_comes_in_only_if_it_gains_more_than_one_standard_error() -> None:
+    choices, before = [(0, 1), (0, 1, 2)], np.zeros(16)
+    by_chance = np.tile([0.3, -0.1], 8) - 0.09  # mean 0.01, standard error 0.05
+    assert simplest(choices, [before, by_chance]) == 0
+    assert simplest(choices, [before, by_chance + 0.05]) == 1
+    assert simplest(choices[:1], [before]) == 0
