@@ -83,7 +83,7 @@ def flip_a_bit(content: bytes) -> bytes:
 DAMAGES = {
     "truncated file": ("score_maps/0/maps.nc", "build_space", lambda content: content[: len(content) // 2]),
     "bit-flipped file": ("build_space/blending_space.nc", "train_model", flip_a_bit),
-    "empty file": ("plan_training/1/routes.parquet", "score_maps", lambda content: b""),
+    "empty file": ("plan_training/0/routes.parquet", "score_maps", lambda content: b""),
 }
 
 
