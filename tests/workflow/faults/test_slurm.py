@@ -93,7 +93,7 @@ def test_the_cluster_of_a_test_that_runs_is_left_alone(cluster):
 def test_the_tiny_study_on_a_cluster_gives_the_local_files(cluster, study, tally):
     with tally.attempt("Slurm instead of this machine"):
         output = finish(study.project.start(*ON_CLUSTER, *study.arguments[2:]))
-        assert submitted(output) >= 5, output[-4000:]
+        assert submitted(output) >= 4, output[-4000:]  # small jobs that follow each other are one
         study.assert_undisturbed()
 
 
