@@ -26,16 +26,17 @@ def draw_comparison(claims: pd.DataFrame, scores: pd.DataFrame, cost: pd.DataFra
     verdicts, crps, wall = figure.subplots(1, 3, width_ratios=[0.9, 1, 1])
     _cross(verdicts, claims, names)
     letter(verdicts, 0, "claims by verdict")
-    shown = scores[scores["measure"] == "crps_s"].dropna(subset=["before", "after"]).copy()
+    shown = scores[scores["measure"] == "crps_s"].dropna(subset=["before", "after"])
+    shown = shown[shown["difference"] != 0].copy()
     shown["label"] = [
         " ".join(filter(None, (model_label(str(row.model)), set_label(str(row.scenario or row.participant)))))
         for row in shown.itertuples()
     ]
     largest = shown.reindex(shown["difference"].abs().sort_values(ascending=False, kind="stable").index)
-    _dumbbells(crps, largest, "CRPS (s)", names)
+    _dumbbells(crps, largest, "CRPS (s)", names, "no forecast moved")
     letter(crps, 1, "forecasts that moved most")
     costly = cost.dropna(subset=["before", "after"]).assign(label=cost["stage"].map(set_label))
-    _dumbbells(wall, costly.sort_values("before", ascending=False, kind="stable"), "wall time of all jobs (s)", names)
+    _dumbbells(wall, costly.sort_values("before", ascending=False, kind="stable"), "wall time (s)", names)
     letter(wall, 2, "costliest stages")
     handles, labels = wall.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
@@ -58,10 +59,12 @@ def _cross(ax: Axes, claims: pd.DataFrame, names: tuple[str, str]) -> None:
     ax.set_ylabel(f"before: {names[0]}")
 
 
-def _dumbbells(ax: Axes, table: pd.DataFrame, label: str, names: tuple[str, str]) -> None:
+def _dumbbells(
+    ax: Axes, table: pd.DataFrame, label: str, names: tuple[str, str], nothing: str = "nothing that both runs have"
+) -> None:
     if table.empty:
         ax.set_axis_off()
-        ax.text(0.5, 0.5, "nothing that both runs have", ha="center", va="center", transform=ax.transAxes)
+        ax.text(0.5, 0.5, nothing, ha="center", va="center", transform=ax.transAxes)
         return
     rows = table.head(LARGEST).iloc[::-1].reset_index(drop=True)
     ax.hlines(rows.index, rows["before"], rows["after"], color=FAINT, lw=1.5)

@@ -64,6 +64,7 @@ RC: Any = {
     "font.family": "sans-serif",
     "font.sans-serif": ["DejaVu Sans"],  # shipped with matplotlib: the same metrics on every machine
     "mathtext.default": "regular",
+    "text.hinting": "none",  # as wide at every resolution: what was laid out at one fits at any other
     "font.size": 7,
     "axes.titlesize": 7.5,
     "axes.labelsize": 7,

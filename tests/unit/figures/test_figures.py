@@ -22,6 +22,7 @@ from walklab.figures import (
     blending,
     capture,
     claims,
+    comparison,
     evaluation,
     forecasts,
     maps,
@@ -31,7 +32,7 @@ from walklab.figures import (
     recovery,
     replicates,
 )
-from walklab.figures.style import DOUBLE_MM, MODEL_COLOURS, SINGLE_MM, colour, save, style
+from walklab.figures.style import DOUBLE_MM, MODEL_COLOURS, PNG_DPI, SINGLE_MM, colour, save, style
 
 every_figure = pytest.mark.parametrize("draw", FIGURES.values(), ids=FIGURES)
 
@@ -75,6 +76,11 @@ def test_fits_a_column_and_cuts_nothing_off(draw: Callable[[], Figure], monkeypa
     figure = draw()
     width_mm = figure.get_size_inches()[0] * 25.4
     assert min(abs(width_mm - SINGLE_MM), abs(width_mm - DOUBLE_MM)) < 0.01
+    nothing_is_cut_off(figure, monkeypatch)
+
+
+def nothing_is_cut_off(figure: Figure, monkeypatch: pytest.MonkeyPatch) -> None:
+    figure.set_dpi(PNG_DPI)  # as it is saved: letters may be wider there than where the figure was laid out
     drawn: list[Text] = []  # matplotlib also keeps tick labels that it does not draw
     original = Text.draw
     monkeypatch.setattr(Text, "draw", lambda text, renderer: (drawn.append(text), original(text, renderer)))
@@ -89,6 +95,20 @@ def test_fits_a_column_and_cuts_nothing_off(draw: Callable[[], Figure], monkeypa
         inside = box.x0 > frame.x0 - 1 and box.x1 < frame.x1 + 1 and box.y0 > frame.y0 - 1 and box.y1 < frame.y1 + 1
         assert inside, f"{text.get_text()!r} leaves the figure"
         assert text.get_fontsize() >= 6, f"{text.get_text()!r} is too small to read"
+
+
+def test_a_comparison_of_runs_shows_what_moved_and_cuts_nothing_off(monkeypatch: pytest.MonkeyPatch) -> None:
+    models = ["P_Stat", "regression"]
+    scores = pd.DataFrame({"measure": "crps_s", "model": models, "scenario": "scenario_1", "participant": ""})
+    scores = scores.assign(before=0.2, after=[0.2, 0.3], difference=[0.0, 0.1])
+    verdicts = pd.DataFrame({"verdict_before": ["reproduced", "partly"], "verdict_after": ["not reproduced", "partly"]})
+    cost = pd.DataFrame({"stage": ["simulate_trials", "score_maps"], "before": [80.0, 20.0], "after": [70.0, 30.0]})
+    names = ("results/steering", "results/small")
+    figure = comparison.draw_comparison(verdicts, scores, cost, names)
+    nothing_is_cut_off(figure, monkeypatch)
+    assert [text.get_text() for text in figure.axes[1].get_yticklabels()] == ["regression scenario 1"]
+    still = comparison.draw_comparison(verdicts, scores.iloc[:1], cost, names)
+    assert [text.get_text() for text in still.axes[1].texts] == ["no forecast moved"]
 
 
 @every_figure
