@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import shutil
+import subprocess
 import time
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 
+import pandas as pd
 import pytest
 from browser import Browser, chromium, needs_chromium
 from report_contents import HOSTILE, contents
 from selenium.webdriver.common.keys import Keys
 
+from walklab.report.contents import ReportTable
 from walklab.report.page import render
 
 pytestmark = needs_chromium
@@ -271,3 +276,37 @@ def test_on_paper_there_are_no_controls_and_everything_is_unfolded(browser, page
         assert browser.run("return Array.from(document.querySelectorAll('main details')).every((e) => e.open)")
     finally:
         browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+
+
+# Width of an A4 page less its margins; wide tables of many rows stand across.
+UPRIGHT_PX, ACROSS_PX = 688, 1046
+
+
+@pytest.mark.parametrize(("columns", "width_px"), [(10, UPRIGHT_PX), (18, ACROSS_PX), (26, ACROSS_PX)])
+def test_on_paper_no_table_is_wider_than_its_section(browser, tmp_path, columns, width_px):
+    names = [f"median signed dt {number}" for number in range(columns - 1)]
+    frame = pd.DataFrame([{"model": "P_Prob (calibrated)", **dict.fromkeys(names, 0.1459), "last": 1.234e-42}] * 90)
+    made = replace(contents(tmp_path), tables={"scores": ReportTable("Scores", "scores.csv", frame)})
+    path = tmp_path / "report.html"
+    path.write_text(render(made))
+    browser.open(path, width_px)
+    browser.run("for (const fold of document.querySelectorAll('details')) { fold.open = true; }")
+    browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+    try:
+        excess = browser.run(
+            """
+            return Array.from(document.querySelectorAll("section table"))
+              .map((e) => e.getBoundingClientRect().right - e.closest("section").getBoundingClientRect().right);
+            """
+        )
+    finally:
+        browser.driver.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": ""})
+    assert excess
+    assert max(excess) < 1
+    if shutil.which("pdftotext") is None:
+        pytest.skip("the text on paper is read by pdftotext of Debian's package poppler-utils")
+    printed = tmp_path / "printed.pdf"
+    printed.write_bytes(browser.printed())
+    text = subprocess.run(["pdftotext", "-layout", printed, "-"], capture_output=True, text=True, check=True).stdout
+    pages = [page for page in text.split("\f") if "1.234e-42" in page]
+    assert "last" in pages[0]
