@@ -1,17 +1,15 @@
 """What the audit makes of the answers of pip-audit, and that it asks about every lock file."""
 
-import importlib.util
 import json
 import subprocess
 from pathlib import Path
 
 import pytest
+from loading import module_at
 
 ROOT = Path(__file__).parents[2]
 
-spec = importlib.util.spec_from_file_location("audit", ROOT / "workflow/audit.py")
-audit = importlib.util.module_from_spec(spec)
-spec.loader.exec_module(audit)
+audit = module_at(ROOT / "workflow/audit.py")
 
 SAFE = {"name": "a", "version": "1", "vulns": []}
 HOLE = {"name": "b", "version": "2", "vulns": [{"id": "ADVISORY-1"}]}

@@ -1,21 +1,18 @@
 """What docs/evidence.md is given: tables and sentences of made-up runs, by the numbers in them."""
 
-import importlib.util
 from pathlib import Path
 from types import ModuleType
 
 import pandas as pd
 import pytest
+from loading import module_at
 
 ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
 def told() -> ModuleType:
-    specification = importlib.util.spec_from_file_location("evidence_forecasts", ROOT / "workflow/evidence_forecasts.py")
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module
+    return module_at(ROOT / "workflow/evidence_forecasts.py")
 
 
 def pooled(measure: str, model: str, value: float, against: str = "", below_zero: int = 0) -> dict:

@@ -1,11 +1,11 @@
 """docs/model-card.md is made of the cards of runs: their words, one heading lower, with the commit of each."""
 
-import importlib.util
 import json
 from pathlib import Path
 from types import ModuleType
 
 import pytest
+from loading import module_at
 
 from walklab.errors import InputError
 
@@ -15,10 +15,7 @@ CARD = "# Model card: {name}\n\n## How it scored\n\n0.267 of {name}\n\nSee docs/
 
 @pytest.fixture(scope="module")
 def cards() -> ModuleType:
-    specification = importlib.util.spec_from_file_location("model_card", ROOT / "workflow/model_card.py")
-    module = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(module)
-    return module
+    return module_at(ROOT / "workflow/model_card.py")
 
 
 def leave(folder: Path, commit: dict) -> None:

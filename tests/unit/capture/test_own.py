@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import importlib.util
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 import pytest
+from loading import module_at
 
 from walklab.capture.imported_walks import ImportRules, walk_span
 from walklab.capture.own import OwnColumns, import_walks
@@ -173,11 +173,7 @@ def test_missing_and_empty_files_are_named(tmp_path: Path) -> None:
 
 
 def test_example_in_the_repository_is_what_its_script_makes() -> None:
-    specification = importlib.util.spec_from_file_location("make_own_walks", EXAMPLES / "make_own_walks.py")
-    assert specification is not None
-    assert specification.loader is not None
-    script = importlib.util.module_from_spec(specification)
-    specification.loader.exec_module(script)
+    script = module_at(EXAMPLES / "make_own_walks.py")
     columns = OwnColumns("person", "walk", "time_s", "x_m", "y_m", "height_cm")
     walks, _ = import_walks(EXAMPLES / "own_walks.csv", columns, height_unit="cm")
     assert len(walks) == len(script.PEOPLE) * len(script.WALKS)
