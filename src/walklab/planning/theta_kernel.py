@@ -32,7 +32,7 @@ RING = 512
 STEPS_U = np.array([-1, 0, 1, -1, 1, -1, 0, 1, 0, 1, 0, 1])
 STEPS_V = np.array([-1, -1, -1, 0, 0, 1, 1, 1, 0, 0, 1, 1])
 
-BEND_RAD = 0.2  # a taut path that turns more at one point gets more points there
+BEND_RAD = 0.1  # a taut path that turns more at one point gets more points there
 BEND_CELLS = 10.0  # how far from a bend the two points are set that round it
 BEND_ROUNDS = 3
 TIGHTENING_SWEEPS = 4  # in each round

@@ -60,10 +60,11 @@ def tolerance_m(radius_m: float, cell_m: float = 0.01) -> float:
     return 0.5 * cell_m**2 / radius_m + 2e-6
 
 
-def test_length_is_close_to_the_exact_shortest_path() -> None:
-    """A goal of 0.02 % in every room is not reached: of 98 rooms (seeds 0 to 99) 3 are above, two by 0.04 % (seeds 53 and 97)."""
+@pytest.mark.parametrize(("rooms", "above"), [(60, 1), pytest.param(300, 2, marks=pytest.mark.slow)])
+def test_length_is_close_to_the_exact_shortest_path(rooms: int, above: int) -> None:
+    """At most 0.02 % longer, except in rooms 53 (a gap hardly wider than the body) and 97 (two ways, nearly alike)."""
     excess = []
-    for seed in range(60):
+    for seed in range(rooms):
         scene = random_room(seed)
         start, goal = (-0.3, 0.0137), (5.3, -0.0071)
         route = lazy_theta_star(build_grid(scene, RADIUS_M, [start, goal]), start, goal)
@@ -73,9 +74,19 @@ def test_length_is_close_to_the_exact_shortest_path() -> None:
     print(f"excess: mean {np.mean(excess):.2e}, max {np.max(excess):.2e}, min {np.min(excess):.2e} of {len(excess)}")
     # Chords across round corners may be shorter than the arc by a few 1e-5, never by more.
     assert min(excess) > -1e-4
-    assert np.mean(excess) < 1e-4
-    assert np.mean(np.array(excess) > 2e-4) <= 0.05
-    assert max(excess) < 7e-4
+    assert np.mean(excess) < 4e-5
+    assert np.sum(np.array(excess) > 2e-4) <= above
+    assert max(excess) < 5e-4
+
+
+def test_a_search_on_the_wrong_side_is_made_good_from_the_other_end() -> None:
+    """In this room a search from the start alone takes a way that is 0.6 % too long."""
+    scene, start, goal = random_room(243), (-0.3, 0.0137), (5.3, -0.0071)
+    grid = build_grid(scene, RADIUS_M, [start, goal])
+    exact = exact_shortest_m(scene, RADIUS_M, start, goal)
+    there, back = lazy_theta_star(grid, start, goal), lazy_theta_star(grid, goal, start)
+    assert length(there) == pytest.approx(exact, rel=2e-4)
+    assert length(back) == pytest.approx(length(there), rel=1e-12)
 
 
 def test_length_of_the_reference_query() -> None:
