@@ -8,14 +8,14 @@ from typing import Any
 
 from walklab.consistency import recorded_walks
 
-# Measured on 2 cores of a 2.6 GHz EPYC; indications, not promises (results/<run>/run.json has a run's own).
-SECONDS_PER_RUN = 150.0
-SECONDS_PER_TRAINING_WALK = 0.02
-SECONDS_PER_CELL_SCORE = 6e-6
+# Measured on 2 cores of a 2.6 GHz Xeon; indications, not promises (results/<run>/run.json has a run's own).
+SECONDS_PER_RUN = 120.0
+SECONDS_PER_TRAINING_WALK = 0.006
+SECONDS_PER_CELL_SCORE = 3e-6
 SECONDS_PER_TRIAL = 0.004
-SHARE_OF_POPULATION = 0.7  # of a run's jobs, what one of many populations takes: no figures, no ablations
-BYTES_PER_RUN = 15e6
-BYTES_PER_TRAINING_WALK = 60_000
+SHARE_OF_POPULATION = 0.5  # of a run's jobs, what one of many populations takes: no figures, no ablations
+BYTES_PER_RUN = 60e6
+BYTES_PER_TRAINING_WALK = 30_000
 BYTES_PER_SCENARIO_WALK = 12_000
 BYTES_PER_MAP_CELL = 25
 

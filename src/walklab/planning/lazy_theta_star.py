@@ -47,7 +47,7 @@ def lazy_theta_star(grid: OccupancyGrid, start_m: Point, goal_m: Point, snap_m: 
     -----
     Nash, Koenig, Tovey 2010, algorithm 2, with an open list of narrow buckets. Its path bends at few vertices, which around
     round corners is about 0.1 % longer than the shortest way, so that it now and then takes the wrong side of an obstacle (0.6 %
-    longer in one of 300 random rooms). It is therefore searched from both ends, each path is pulled taut, the shorter one is kept.
+    longer in one of 300 random rooms). Therefore both ends are searched from; each path is pulled taut, the shorter one is kept.
     Over 300 random rooms (``make test-all``; in 297 something is in the way) it is then 0.002 % longer than the shortest way
     on average, and more than 0.02 % in two: 0.04 % in a gap hardly wider than the body, 0.03 % where two ways differ by no more.
     """
