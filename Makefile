@@ -9,8 +9,8 @@
 # make bench    every benchmark beside its baseline: results/bench/summary.json, scaling.png
 # make track    log a finished run to MLflow (RUN=results/steering, URI=...)
 # make crate    pack it as a Workflow Run RO-Crate
-# make large    capture, maps and blending space of 50 000 walks
-# make sizing   what 10^3 to 10^7 walks cost, from the runs of make and make large: docs/cluster.md
+# make large    capture, maps and blending space of 50 000 walks, and of a quarter of them
+# make sizing   what 10^3 to 10^7 walks cost, from the two runs of make large: docs/cluster.md
 # make model-card  docs/model-card.md, from the runs of make and make real
 # make docs     the documentation as a site: build/site      make audit   known holes in locked packages
 # make container   the Containerfile, from the lock file
@@ -76,12 +76,13 @@ bench: .venv/ready .venv/peers/ready
 	$(BENCH) $(BIN)/python benchmarks/bench_scaling.py
 	$(BIN)/python benchmarks/summary.py
 
-# Capture, maps and blending space of more than 50 000 walks.
+# Capture, maps and blending space of more than 50 000 walks, and of a quarter of them: two sizes, for make sizing.
 large: .venv/ready
+	$(SNAKEMAKE) --configfile config/quarter.yaml --until build_space
 	$(SNAKEMAKE) --configfile config/large.yaml --until build_space
 
 sizing: .venv/ready
-	$(BIN)/python workflow/sizing.py results/steering results/large --write
+	$(BIN)/python workflow/sizing.py results/quarter results/large --write
 
 RUN ?= results/steering
 

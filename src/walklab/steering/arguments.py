@@ -37,6 +37,8 @@ def check_values(vectors: Array, names: Sequence[str]) -> None:
 
 def count_of(size: int) -> int:
     """How many to draw; InputError if that is no count."""
+    if type(size) is int and size >= 0:  # nearly always, and the abstract class below takes a while
+        return size
     if isinstance(size, bool) or not isinstance(size, Integral) or size < 0:
         raise InputError(f"size = {size!r}: give how many to draw, a whole number of at least 0")
     return int(size)

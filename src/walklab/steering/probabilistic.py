@@ -320,9 +320,9 @@ class ProbabilisticModel:
     def _asked(self, vectors: ArrayLike) -> Array:
         """(W, D) vectors, checked; warns if some are outside of the domain, as seen by who called the caller."""
         asked = self.blending.shaped(vectors)
-        inside = self.domain.contains(asked)
-        if not inside.all():  # what is not a number is not inside either
+        if not self.domain.contains_all(asked):  # what is not a number is not inside either
             self.blending.checked(asked)
+            inside = self.domain.contains(asked)
             captured = self.blending.vectors[~self.blending.is_blend]
             told = outside_message(self.dependencies, self.dependency_units, captured, asked, inside)
             warnings.warn(told, OutsideTrainingRange, stacklevel=3)
