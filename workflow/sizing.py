@@ -1,6 +1,6 @@
 """What studies of 10^3, 10^5 and 10^7 walks cost, from the measured jobs of finished runs: printed, or put into docs/cluster.md.
 
-Usage: sizing.py RUN RUN ... [--write], runs of different sizes, as results/steering results/large
+Usage: sizing.py RUN RUN ... [--write], runs of different sizes, as results/quarter results/large
 The tables stand between the markers `<!-- sizing -->` and `<!-- /sizing -->`.
 """
 
@@ -18,18 +18,16 @@ MARKED = re.compile(r"<!-- sizing -->.*?<!-- /sizing -->", re.DOTALL)
 
 def tables(asked):
     """Both tables and what they stand on, as Markdown."""
-    costs = measured(asked.runs)
-    largest = max(costs.stages[MEETING], key=lambda job: job.walks)
+    stages = measured(asked.runs)
+    largest = max(stages[MEETING], key=lambda job: job.walks)
     share = largest.added / largest.walks if asked.added_per_walk is None else asked.added_per_walk
-    sized = sizing(costs, asked.walks, asked.walks_per_shard, share)
-    names = ", ".join(
-        f"`{Path(run).name}` ({job.walks:,} walks)" for run, job in zip(asked.runs, costs.stages[MEETING], strict=True)
-    )
+    sized = sizing(stages, asked.walks, asked.walks_per_shard, share)
+    names = ", ".join(f"`{Path(run).name}` ({job.walks:,} walks)" for run, job in zip(asked.runs, stages[MEETING], strict=True))
     return "\n".join(
         [
             f"A typical job of the runs {names}:",
             "",
-            measurements(costs),
+            measurements(stages),
             "",
             f"Carried on, with {asked.walks_per_shard:,} walks a shard and {share:.2g} entries added a walk:",
             "",

@@ -4,13 +4,12 @@ A job's CPU time, peak memory and bytes on disk are taken to be ``fixed + per_wa
 Every run gives one point for each stage: of its equal jobs, the lower median of CPU time (a job that compiles the kernels
 first is no measure of the others), the largest memory and the mean of the disk.
 
-Up-sampling is not a straight line: each of n walks and of m added entries is compared with 8 m candidates, so CPU time of the
-blending space is ``fixed + per_walk * n + per_pair * m (n + m)``. Memory and disk grow with its entries, n + m.
+The blending space is one job of all walks; n counts its entries, the added ones too.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,7 +17,6 @@ import numpy as np
 import pandas as pd
 import pyarrow.parquet as pq
 import xarray as xr
-from scipy.optimize import nnls
 
 from walklab.errors import InputError
 from walklab.runs import cost
@@ -28,8 +26,6 @@ from walklab.storage import read_json
 # Stages that run once a shard, in their order, and the one that all maps meet in.
 SHARDED = ("record_training", "extract_training", "plan_training", "score_maps")
 MEETING = "build_space"
-# What a job takes that computes next to nothing.
-IDLE = "draw_participants"
 HOUR_S = 3600.0
 QUANTITIES = ("cpu_s", "memory_mb", "disk_mb")
 
@@ -49,19 +45,6 @@ class Cost:
         """Walks and what is added to them."""
         return self.walks + self.added
 
-    @property
-    def pairs(self) -> float:
-        """Added entries times all entries."""
-        return self.added * self.entries
-
-
-@dataclass(frozen=True)
-class Costs:
-    """Of the stages of several runs: a typical job of each run, and the CPU time (s) of a job that hardly computes."""
-
-    stages: dict[str, list[Cost]]
-    idle_cpu_s: float
-
 
 @dataclass(frozen=True)
 class Line:
@@ -74,8 +57,8 @@ class Line:
         return self.fixed + self.per_walk * walks
 
 
-def measured(runs: Sequence[str | Path]) -> Costs:
-    """Costs of a typical job of each training stage in finished runs, as the jobs measured them (:mod:`walklab.runs.cost`).
+def measured(runs: Sequence[str | Path]) -> dict[str, list[Cost]]:
+    """A typical job of each training stage in each of some finished runs, as the jobs measured them (:mod:`walklab.runs.cost`).
 
     Raises
     ------
@@ -83,7 +66,6 @@ def measured(runs: Sequence[str | Path]) -> Costs:
         If a run has no finished blending space.
     """
     stages: dict[str, list[Cost]] = {stage: [] for stage in (*SHARDED, MEETING)}
-    idle = []
     for run in runs:
         replicate = Path(run) / "0"
         # Not what extract_training cuts out of the recordings: half of that is no training walk.
@@ -97,8 +79,7 @@ def measured(runs: Sequence[str | Path]) -> Costs:
             entries = space.sizes["entry"]
         walks = sum(counts.values())
         stages[MEETING].append(_cost(replicate / MEETING, walks, entries - walks))
-        idle.append(float(read_json(replicate / IDLE / cost.FILE)["cpu_s"]))
-    return Costs(stages, min(idle))
+    return stages
 
 
 def typical(jobs: Sequence[Cost]) -> Cost:
@@ -134,18 +115,9 @@ def line(sizes: Sequence[float], values: Sequence[float]) -> Line:
     return Line(float(fixed), float(max(per_walk, 0.0)))
 
 
-def upsampling(jobs: Sequence[Cost], idle_cpu_s: float) -> tuple[float, float]:
-    """CPU time (s) of the blending space per walk and per pair, over that of a job that hardly computes; neither is negative."""
-    shape = np.array([(job.walks, job.pairs) for job in jobs], dtype=float)
-    taken = np.array([max(job.cpu_s - idle_cpu_s, 0.0) for job in jobs])
-    unit = shape.max(axis=0)
-    unit[unit == 0] = 1.0  # nothing is added in any run
-    found, _ = nnls(shape / unit, taken)
-    per_walk, per_pair = found / unit
-    return float(per_walk), float(per_pair)
-
-
-def sizing(costs: Costs, walks: Sequence[int], walks_per_shard: int, added_per_walk: float) -> pd.DataFrame:
+def sizing(
+    stages: Mapping[str, Sequence[Cost]], walks: Sequence[int], walks_per_shard: int, added_per_walk: float
+) -> pd.DataFrame:
     """Cost of capture, maps and blending space for numbers of walks; a row per number and stage.
 
     Returns
@@ -154,37 +126,25 @@ def sizing(costs: Costs, walks: Sequence[int], walks_per_shard: int, added_per_w
     """
     rows = []
     for total in walks:
-        for stage in SHARDED:
-            jobs = -(-total // walks_per_shard)
-            points = costs.stages[stage]
-            sizes = [point.walks for point in points]
-            taken = [line(sizes, [getattr(point, what) for point in points]).at(total / jobs) for what in QUANTITIES]
-            rows.append((total, stage, jobs, *_units(jobs, *taken)))
-        rows.append((total, MEETING, 1, *_units(1, *_meeting(costs, total, round(added_per_walk * total)))))
+        jobs = -(-total // walks_per_shard)
+        rows += [(total, stage, jobs, *_carried(stages[stage], jobs, total / jobs)) for stage in SHARDED]
+        rows.append((total, MEETING, 1, *_carried(stages[MEETING], 1, total + round(added_per_walk * total))))
     return pd.DataFrame(rows, columns=["walks", "stage", "jobs", "core_hours", "memory_gb", "disk_gb"])
 
 
-def _meeting(costs: Costs, walks: int, added: int) -> tuple[float, float, float]:
-    points = costs.stages[MEETING]
-    asked = Cost(walks, 0.0, 0.0, 0.0, added)
-    per_walk, per_pair = upsampling(points, costs.idle_cpu_s)
+def _carried(points: Sequence[Cost], jobs: int, entries: float) -> tuple[float, float, float]:
+    """Core-hours of all jobs of a stage, memory of one and disk of all (GB), each job with so many entries."""
     sizes = [point.entries for point in points]
-    memory_mb, disk_mb = (
-        line(sizes, [getattr(point, what) for point in points]).at(asked.entries) for what in ("memory_mb", "disk_mb")
-    )
-    return costs.idle_cpu_s + per_walk * walks + per_pair * asked.pairs, memory_mb, disk_mb
-
-
-def _units(jobs: int, cpu_s: float, memory_mb: float, disk_mb: float) -> tuple[float, float, float]:
+    cpu_s, memory_mb, disk_mb = (line(sizes, [getattr(point, what) for point in points]).at(entries) for what in QUANTITIES)
     return jobs * cpu_s / HOUR_S, memory_mb / 1e3, jobs * disk_mb / 1e3
 
 
-def measurements(costs: Costs) -> str:
+def measurements(stages: Mapping[str, Sequence[Cost]]) -> str:
     """What the lines go through, as a table for the manual: a row per stage and run."""
     lines = ["| stage | walks of a job | entries added | CPU time (s) | memory (GB) | disk (MB) |", "|---|---|---|---|---|---|"]
     lines += [
         f"| {stage} | {job.walks:,.0f} | {job.added or '-'} | {job.cpu_s:.3g} | {job.memory_mb / 1e3:.2g} | {job.disk_mb:.3g} |"
-        for stage, jobs in costs.stages.items()
+        for stage, jobs in stages.items()
         for job in jobs
     ]
     return "\n".join(lines)

@@ -7,30 +7,22 @@ import xarray as xr
 
 from walklab.errors import InputError
 from walklab.runs import sizing
-from walklab.runs.sizing import MEETING, SHARDED, Cost, Costs, Line
+from walklab.runs.sizing import MEETING, SHARDED, Cost, Line
 from walklab.storage import write_json
 
 RULES = {"cpu_s": Line(2.0, 0.003), "memory_mb": Line(300.0, 0.05), "disk_mb": Line(0.0, 0.04)}
-IDLE_S = 1.5
-PER_WALK_S, PER_PAIR_S = 2e-4, 4e-7
 
 
 def jobs(sizes):
     return [Cost(walks, *(RULES[name].at(walks) for name in ("cpu_s", "memory_mb", "disk_mb"))) for walks in sizes]
 
 
-def meeting(walks, added):
-    """The blending space, by the law of up-sampling."""
-    entries = walks + added
-    cpu_s = IDLE_S + PER_WALK_S * walks + PER_PAIR_S * added * entries
-    return Cost(walks, cpu_s, RULES["memory_mb"].at(entries), RULES["disk_mb"].at(entries), added)
-
-
 @pytest.fixture
 def costs():
-    return Costs(
-        {**{stage: jobs([500, 4000]) for stage in SHARDED}, MEETING: [meeting(1848, 3152), meeting(51744, 8256)]}, IDLE_S
-    )
+    spaces = [
+        Cost(walks, *(RULES[name].at(walks + added) for name in RULES), added) for walks, added in ((1848, 3152), (51744, 8256))
+    ]
+    return {**{stage: jobs([500, 4000]) for stage in SHARDED}, MEETING: spaces}
 
 
 @pytest.mark.parametrize("name", RULES)
@@ -57,16 +49,12 @@ def test_a_job_that_compiles_is_no_measure_of_its_equals():
     assert found == Cost(900, 4.7, 500.0, 5.0)
 
 
-def test_upsampling_is_not_taken_for_a_straight_line(costs):
-    assert sizing.upsampling(costs.stages[MEETING], IDLE_S) == pytest.approx((PER_WALK_S, PER_PAIR_S))
-    table = sizing.sizing(costs, [10**6], 2000, added_per_walk=0.16).set_index("stage")
-    assert table.loc[MEETING, "core_hours"] == pytest.approx(meeting(10**6, 160_000).cpu_s / 3600)
-    assert table.loc[MEETING, "memory_gb"] == pytest.approx(meeting(10**6, 160_000).memory_mb / 1e3)
-
-
-def test_without_added_entries_only_walks_cost(costs):
-    table = sizing.sizing(costs, [10**6], 2000, added_per_walk=0.0).set_index("stage")
-    assert table.loc[MEETING, "core_hours"] == pytest.approx((IDLE_S + PER_WALK_S * 1e6) / 3600)
+def test_the_blending_space_grows_with_its_entries(costs):
+    for added in (0.0, 0.16):
+        row = sizing.sizing(costs, [10**6], 2000, added).set_index("stage").loc[MEETING]
+        entries = (1 + added) * 1e6
+        assert row["core_hours"] == pytest.approx(RULES["cpu_s"].at(entries) / 3600)
+        assert row["memory_gb"] == pytest.approx(RULES["memory_mb"].at(entries) / 1e3)
 
 
 def test_totals_are_those_of_all_shards(costs):
@@ -84,7 +72,7 @@ def test_totals_are_those_of_all_shards(costs):
 
 def test_costs_are_read_from_the_files_of_a_run(tmp_path):
     replicate = tmp_path / "0"
-    for stage in (*SHARDED, MEETING, sizing.IDLE):
+    for stage in (*SHARDED, MEETING):
         folder = replicate / stage / ("0" if stage in SHARDED else "")
         folder.mkdir(parents=True, exist_ok=True)
         write_json({"wall_s": 9.0, "cpu_s": 4.5, "peak_memory_mb": 321.0}, folder / "cost.json")
@@ -94,8 +82,7 @@ def test_costs_are_read_from_the_files_of_a_run(tmp_path):
     space = replicate / MEETING / "blending_space.nc"
     xr.Dataset({"vector": ("entry", np.zeros(10))}).to_netcdf(space)
     found = sizing.measured([tmp_path])
-    assert found.idle_cpu_s == 4.5
-    assert found.stages["score_maps"] == [Cost(7, 4.5, 321.0, 2.0)]
-    assert found.stages[MEETING] == [Cost(7, 4.5, 321.0, 2.0 + space.stat().st_size / 1e6, added=3)]
+    assert found["score_maps"] == [Cost(7, 4.5, 321.0, 2.0)]
+    assert found[MEETING] == [Cost(7, 4.5, 321.0, 2.0 + space.stat().st_size / 1e6, added=3)]
     with pytest.raises(InputError, match="no finished build_space"):
         sizing.measured([replicate])
