@@ -134,6 +134,13 @@ def test_bad_input_is_one_line_and_exit_code_2(model, tmp_path):
     run("sample", model, "--size", 0, code=BAD_INPUT)  # typer's own check
 
 
+@pytest.mark.parametrize("command", [["sample"], ["simulate", SCENE, "-m"]])
+def test_a_negative_seed_is_refused(command, model):
+    result = run(*command, model, "--seed", -1, code=2)
+    assert "--seed" in result.stderr
+    assert "Traceback" not in result.output
+
+
 def test_the_module_runs_as_a_program(model):
     command = [sys.executable, "-m", "walklab.cli.app", "sample", str(model), "--length", "2"]
     ended = subprocess.run(command, capture_output=True, text=True, env={**os.environ})

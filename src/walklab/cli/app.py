@@ -30,7 +30,7 @@ Length = Annotated[float | None, typer.Option(help="Length of the planned path, 
 Curvature = Annotated[float | None, typer.Option(help="Mean curvature of the planned path, 1/m.")]
 Height = Annotated[float | None, typer.Option(help="Body height, m.")]
 StartSpeed = Annotated[float | None, typer.Option(help="Speed at the start, m/s (models that know it).")]
-Seed = Annotated[int | None, typer.Option(help="Seed of the random numbers; none: a different draw every time.")]
+Seed = Annotated[int | None, typer.Option(min=0, help="Seed of the random numbers; none: a different draw every time.")]
 
 
 def _given(**dependencies: float | None) -> dict[str, float]:
@@ -184,7 +184,7 @@ def inspect(
     for name, value in opened.provenance.items():
         typer.echo(f"provenance  {name}: {value}")
     if check:
-        typer.echo("checked: every number is finite")
+        typer.echo("checked: every number is finite, every map positive somewhere")
 
 
 @app.command()

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from walklab.cli.errors import plain_errors
+from walklab.errors import InputError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -30,10 +31,12 @@ def compare(
     output: Annotated[Path | None, typer.Option("--output", "-o", help="Also draw the comparison, as this PNG.")] = None,
     all_rows: Annotated[bool, typer.Option("--all", help="Every row, not only the largest changes.")] = False,
 ) -> None:
-    """What changed from one run to another: configuration, code, versions, claims, scores, cost."""
+    """What changed from one run to another: configuration, code, versions, products, claims, scores, cost."""
     from walklab.runs.comparison import compare as compared
     from walklab.runs.io import read_record
 
+    if output is not None and output.suffix.lower() != ".png":
+        raise InputError(f"{output}: the comparison is drawn as PNG; give a name that ends in .png")
     found = compared(read_record(before), read_record(after))
     typer.echo(f"before: {before} (run {found.names[0]})\nafter:  {after} (run {found.names[1]})")
     rows = None if all_rows else 12
@@ -44,6 +47,7 @@ def compare(
         ("configuration", found.config),
         ("code", found.code),
         ("versions", found.versions),
+        ("products, by checksum", found.products),
         (f"claims (of {len(found.claims)})", found.changed_claims.drop(columns="changed")),
         ("scores, largest change first", moved),
     ):
@@ -103,7 +107,7 @@ def check(run: Run) -> None:
         typer.echo(f"{path}: was dated in the future, now dated today")
     if found.damaged or found.missing:
         again = " ".join(dict.fromkeys([*(damage.rebuild for damage in found.damaged), *found.missing]))
-        typer.echo(f"To rebuild (with the --configfile of this run): snakemake --forcerun {again}")
+        typer.echo(f"To rebuild (with the --configfile of this run): .venv/bin/snakemake --forcerun {again}")
         raise typer.Exit(DAMAGED)
     typer.echo(f"{found.checked} products are what their jobs wrote")
 

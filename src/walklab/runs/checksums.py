@@ -78,7 +78,8 @@ def verify(inputs: Iterable[str | Path]) -> None:
         reason = _reason(path, expected) if expected else _unvouched(path)
         if reason:
             raise InputError(
-                f"{path}: damaged ({reason}); rebuild it: snakemake --forcerun {path} (and the --configfile of this run)"
+                f"{path}: damaged ({reason}); rebuild it: .venv/bin/snakemake --forcerun {path}"
+                " (and the --configfile of this run)"
             )
 
 

@@ -1,4 +1,4 @@
-"""What changed between two runs: configuration, code, versions, claims, scores and cost."""
+"""What changed between two runs: configuration, code, versions, products, claims, scores and cost."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 
 import pandas as pd
 
+from walklab.errors import InputError
 from walklab.runs.record import SCORE_KEYS, SCORE_VALUES
 
 ABSENT = "(absent)"
@@ -23,6 +24,7 @@ class Comparison:
     config : a row per configuration key that differs
     code : a row per script whose code digest differs, and one for the commit
     versions : a row per package whose version differs
+    products : a row per product whose bytes differ, by the first digits of its SHA-256
     claims : a row per claim of either run: id, ours before and after, verdict before and after, changed
     scores : a row per score of either run, with ``measure`` and ``difference`` (after - before)
     cost : a row per stage: wall time (s) summed over its jobs, and ``ratio`` (after / before)
@@ -32,6 +34,7 @@ class Comparison:
     config: pd.DataFrame
     code: pd.DataFrame
     versions: pd.DataFrame
+    products: pd.DataFrame
     claims: pd.DataFrame
     scores: pd.DataFrame
     cost: pd.DataFrame
@@ -43,16 +46,29 @@ class Comparison:
 
 
 def compare(before: Mapping[str, Any], after: Mapping[str, Any]) -> Comparison:
-    """Compare two records, as :func:`walklab.runs.io.read_record` gives them."""
-    return Comparison(
-        (str(before["run"]), str(after["run"])),
-        differences(flat(before["config"]), flat(after["config"])),
-        differences(before.get("code", {}) | _commit(before), after.get("code", {}) | _commit(after)),
-        differences(before["versions"], after["versions"]),
-        _claims(before.get("claims", []), after.get("claims", [])),
-        _scores(before.get("scores", []), after.get("scores", [])),
-        _cost(before["stages"], after["stages"]),
-    )
+    """Compare two records, as :func:`walklab.runs.io.read_record` gives them.
+
+    Raises
+    ------
+    InputError
+        If a record holds something else than a run writes there.
+    """
+    names = str(before["run"]), str(after["run"])
+    try:
+        return Comparison(
+            names,
+            differences(flat(before["config"]), flat(after["config"])),
+            differences(before.get("code", {}) | _commit(before), after.get("code", {}) | _commit(after)),
+            differences(before["versions"], after["versions"]),
+            differences(_digests(before), _digests(after)),
+            _claims(before.get("claims", []), after.get("claims", [])),
+            _scores(before.get("scores", []), after.get("scores", [])),
+            _cost(before["stages"], after["stages"]),
+        )
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
+        raise InputError(
+            f"the records of {names[0]} and {names[1]}: one of them is damaged ({error}); run its study again"
+        ) from error
 
 
 def flat(value: Any, prefix: str = "") -> dict[str, Any]:
@@ -75,6 +91,10 @@ def differences(before: Mapping[str, Any], after: Mapping[str, Any]) -> pd.DataF
 def _commit(record: Mapping[str, Any]) -> dict[str, str]:
     commit = record["commit"]
     return {"commit": f"{commit['id'][:12]}{' with local changes' if commit['dirty'] else ''}" if commit else "(no git)"}
+
+
+def _digests(record: Mapping[str, Any]) -> dict[str, str]:
+    return {name: str(digest)[:12] for name, digest in sorted(record.get("products", {}).items())}
 
 
 def _claims(before: list[dict[str, Any]], after: list[dict[str, Any]]) -> pd.DataFrame:

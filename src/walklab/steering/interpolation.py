@@ -58,8 +58,8 @@ class GridInterpolant:
         # cites; a constant is added, as scipy's RBFInterpolator of today does.
         if self.kernel not in KERNELS:
             raise InputError(f"kernel: there is no {self.kernel!r}; choose one of {', '.join(KERNELS)}")
-        if not self.epsilon > 0:
-            raise InputError(f"kernel epsilon = {self.epsilon}: must be positive")
+        if not 0 < self.epsilon < np.inf:
+            raise InputError(f"kernel epsilon = {self.epsilon}: must be positive and finite")
 
     @property
     def kind(self) -> int:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from walklab.errors import InputError
-from walklab.steering.blending_space import BlendingSpace
+from walklab.steering.blending_space import MAP_RANGE, BlendingSpace
 from walklab.steering.domain import DomainOfValidity
 from walklab.steering.interpolation import GridInterpolant, Interpolant, interpolant_named
 from walklab.steering.mapped_tensors import open_tensors
@@ -19,6 +20,7 @@ from walklab.steering.space import Axis, ParameterSpace
 FORMAT = "walklab motion model"
 VERSION = 2
 
+KINDS = {"parents": "i", "rungs": "u"}  # of numbers; all other arrays are of floats
 LARGE = ("maps", "coefficients", "rungs", "parents", "parent_weights")  # not looked through when a model is opened to draw from
 
 
@@ -28,7 +30,7 @@ def write_model(model: ProbabilisticModel, path: str | Path) -> None:
     Raises
     ------
     InputError
-        If it holds a value that is not finite.
+        If it holds a value that is not finite, or text with control characters.
     """
     from walklab.storage import write_tensors  # late: a process that only samples must not pay for what storage imports
 
@@ -67,6 +69,7 @@ def write_model(model: ProbabilisticModel, path: str | Path) -> None:
         "domain": "convex hull of the captured dependencies, scaled: domain_equations in the coordinates of domain_basis",
         "provenance": dict(model.provenance),
     }
+    _require_plain(header)
     write_tensors(tensors, header, path)
 
 
@@ -75,24 +78,43 @@ def read_model(path: str | Path, check_all: bool = True) -> ProbabilisticModel:
 
     Parameters
     ----------
-    check_all : look through the large arrays for values that are not finite, which reads the whole file; without it a
+    check_all : look through the large arrays for values that cannot be, which reads the whole file; without it a
         damaged map is noticed when it is drawn from
 
     Raises
     ------
     InputError
-        If the file is damaged, is something else, or its parts do not fit each other.
+        If the file is damaged, is something else or of another version, or its parts do not fit each other.
     """
     tensors, header = open_tensors(path)
-    if not isinstance(header, dict) or header.get("format") != FORMAT or header.get("version") != VERSION:
-        raise InputError(f"{path}: not a {FORMAT} of version {VERSION}; use `walklab migrate`, or train the model again")
+    if version_of(header, path) != VERSION:
+        raise InputError(
+            f"{path}: a {FORMAT} of version {header['version']}, this walklab reads {VERSION}; use `walklab migrate`"
+        )
     try:
-        return _assemble(tensors, header, check_all)
-    except (KeyError, TypeError, ValueError) as error:  # InputError is a ValueError: its line gets the file's name here
+        return _assemble(tensors, header, check_all, str(path))
+    except (AttributeError, KeyError, TypeError, ValueError) as error:  # InputError is a ValueError: the file's name comes here
         raise InputError(f"{path}: the model is incomplete or inconsistent ({error}); train it again") from error
 
 
-def _assemble(tensors: dict[str, np.ndarray], header: dict[str, Any], check_all: bool) -> ProbabilisticModel:
+def version_of(header: Any, path: str | Path) -> int:
+    """The version of a model file, at most the present one.
+
+    Raises
+    ------
+    InputError
+        If it is no model file, or of a later version.
+    """
+    version = header.get("version") if isinstance(header, dict) and header.get("format") == FORMAT else None
+    if type(version) is not int or version < 1:
+        raise InputError(f"{path}: not a {FORMAT}; give the file of a trained model")
+    if version > VERSION:
+        raise InputError(f"{path}: a {FORMAT} of version {version}, this walklab reads up to {VERSION}; update walklab")
+    return version
+
+
+def _assemble(tensors: dict[str, np.ndarray], header: dict[str, Any], check_all: bool, origin: str) -> ProbabilisticModel:
+    _require_plain(header)
     axes = tuple(Axis(axis["name"], axis["unit"], tuple(float(v) for v in axis["values"])) for axis in header["axes"])
     space = ParameterSpace(axes)
     named = header["dependencies"]
@@ -119,11 +141,18 @@ def _assemble(tensors: dict[str, np.ndarray], header: dict[str, Any], check_all:
     for name, shape in expected.items():
         if tensors[name].shape != shape:
             raise ValueError(f"tensor {name} has shape {tensors[name].shape}, not {shape}")
+        if tensors[name].dtype.kind != KINDS.get(name, "f"):
+            raise ValueError(f"tensor {name} holds numbers of type {tensors[name].dtype}")
         if check_all or name not in LARGE:
             _require_finite(name, tensors[name])
-    if tensors["rungs"].dtype != np.uint8 or not np.isfinite(header["rung"]):
-        raise ValueError("tensor rungs or its unit is no bound")
+    if not 0.0 < header["rung"] < np.inf:
+        raise ValueError(f"rung = {header['rung']} is no unit of bounds")
+    _require_entries(tensors["parents"])
+    if check_all:
+        _require_possible(tensors, coefficients)
     scaling = Scaling(np.array([d["offset"] for d in named], dtype=float), np.array([d["scale"] for d in named], dtype=float))
+    if not np.isfinite(scaling.offset).all() or not (scaling.scale > 0.0).all():
+        raise ValueError("offset or scale of a dependency is not finite, or scale is not above 0")
     blending = BlendingSpace(
         tuple(d["name"] for d in named),
         tuple(d["unit"] for d in named),
@@ -147,7 +176,44 @@ def _assemble(tensors: dict[str, np.ndarray], header: dict[str, Any], check_all:
         header["exponent"],
         header["fixed"],
         header["provenance"],
+        origin,
     )
+
+
+def _require_plain(header: dict[str, Any]) -> None:
+    """Text of a header may reach a terminal or a page, so it holds no control characters; counts are whole numbers."""
+
+    def texts(value: Any) -> Iterator[str]:
+        if isinstance(value, str):
+            yield value
+        elif isinstance(value, dict):
+            for name, part in value.items():
+                yield name
+                yield from texts(part)
+        elif isinstance(value, list):
+            for part in value:
+                yield from texts(part)
+
+    for text in texts(header):
+        if not text.isprintable():
+            raise InputError(f"the header holds control characters: {text[:40]!a}")
+    if type(header["k"]) is not int or not isinstance(header["fixed"], dict) or not isinstance(header["provenance"], dict):
+        raise InputError("k is no whole number, or fixed or provenance is no mapping")
+
+
+def _require_entries(parents: np.ndarray) -> None:
+    if parents.shape[1] < 1 or (parents[:, 0] < 0).any() or parents.min() < -1 or parents.max() >= len(parents):
+        raise ValueError("tensor parents names an entry that is not there")
+
+
+def _require_possible(tensors: dict[str, np.ndarray], coefficients: np.ndarray) -> None:
+    """Maps lie between 0 and 1, and every map is positive somewhere, as are its bounds."""
+    if tensors["maps"].min() < MAP_RANGE[0] or tensors["maps"].max() > MAP_RANGE[1]:
+        raise ValueError(f"tensor maps holds values outside of {MAP_RANGE[0]:g} to {MAP_RANGE[1]:g}")
+    for name, values in (("maps", tensors["maps"]), ("coefficients", coefficients), ("rungs", tensors["rungs"])):
+        if not values.any(axis=1).all():
+            row = int(np.flatnonzero(~values.any(axis=1))[0])
+            raise ValueError(f"tensor {name}, row {row}, is 0 throughout; nothing could be drawn from that map")
 
 
 def _require_finite(name: str, values: np.ndarray) -> None:

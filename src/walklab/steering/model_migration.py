@@ -19,7 +19,7 @@ from walklab.steering.blending_space import BlendingSpace
 from walklab.steering.building import probabilistic_model
 from walklab.steering.interpolation import GridInterpolant
 from walklab.steering.mapped_tensors import open_tensors
-from walklab.steering.model_file import FORMAT, VERSION, write_model
+from walklab.steering.model_file import VERSION, version_of, write_model
 from walklab.steering.probabilistic import ProbabilisticModel
 from walklab.steering.scaling import Scaling
 from walklab.steering.space import Axis, ParameterSpace
@@ -38,14 +38,11 @@ def migrate_model(source: str | Path, target: str | Path) -> int:
         If the source is no model file, needs no migration, or is of a version that is not known.
     """
     tensors, header = open_tensors(source)
-    version = header.get("version") if isinstance(header, dict) and header.get("format") == FORMAT else None
-    if version == VERSION:
+    if version_of(header, source) == VERSION:
         raise InputError(f"{source}: is of version {VERSION} already; nothing to migrate")
-    if version != 1:
-        raise InputError(f"{source}: no {FORMAT} of a known version (found {version}); train the model again")
     try:
         model = _from_version_1(tensors, header)
-    except (KeyError, TypeError, ValueError) as error:
+    except (AttributeError, KeyError, TypeError, ValueError) as error:
         raise InputError(f"{source}: the model is incomplete or inconsistent ({error}); train it again") from error
     write_model(model, target)
     return 1

@@ -57,6 +57,7 @@ class ProbabilisticModel:
     exponent : sharpness; 1 is the paper's literal reading
     fixed : parameters held at a value; the map is the slice there
     provenance : plain data on where the model comes from
+    origin : the file it was opened from, for messages
     """
 
     blending: BlendingSpace
@@ -71,6 +72,7 @@ class ProbabilisticModel:
     exponent: float = 1.0
     fixed: Mapping[str, float] = field(default_factory=dict)
     provenance: Mapping[str, Any] = field(default_factory=dict)
+    origin: str = "model"
 
     def __post_init__(self) -> None:
         if not 1 <= self.k <= len(self.blending):
@@ -258,7 +260,7 @@ class ProbabilisticModel:
                 break
             first += walk
             if outcome != sampling.EXHAUSTED:
-                raise RuntimeError(f"internal error: {sampling.REASONS[outcome]} for dependencies {asked[first].tolist()}")
+                raise InputError(f"{self.origin}: {sampling.REASONS[outcome]} (for dependencies {asked[first].tolist()})")
             samples[first] = self._draw_sharp(asked[first], seeds[first], size)
             first += 1
         if not self.fixed:
@@ -302,7 +304,7 @@ class ProbabilisticModel:
         try:
             return draw_sharp(basis, surface, tops, blocks, self.exponent, size, rng)
         except RuntimeError as error:
-            raise RuntimeError(f"internal error: {error} for dependencies {vector.tolist()}") from None
+            raise InputError(f"{self.origin}: {error} (for dependencies {vector.tolist()})") from None
 
     def mode(self, vectors: ArrayLike) -> Array:
         """Highest point of the interpolated maps, (W, P); see :meth:`ParameterSpace.on_edge` for edge optima."""

@@ -33,9 +33,9 @@ Sampler = Callable[[Array, Array, Array], tuple[int, int]]  # dependency vectors
 
 DONE, ABOVE_BOUND, EXHAUSTED, NOWHERE = range(4)
 REASONS = {
-    ABOVE_BOUND: "the interpolated map is above its bound or no number (is the model file damaged?)",
+    ABOVE_BOUND: "the interpolated map is above its bound or no number: the model is damaged; train it again",
     EXHAUSTED: "no sample was accepted in the longest search",
-    NOWHERE: "the interpolated map is not positive anywhere",
+    NOWHERE: "the interpolated map is not positive anywhere: the model is damaged, or a parameter is held where it is 0",
 }
 LONGEST_SEARCH = 20_000  # proposals per sample; after that :mod:`walklab.steering.sharp` takes over
 SUSPICIOUS = 10_000  # proposals after which it is worth looking whether the map is positive anywhere

@@ -143,7 +143,7 @@ def test_checksums_of_someone_elses_data_are_left_to_them(tmp_path):
 
 def test_what_the_record_lists_is_checked_too(run):
     products = {CLAIMS: checksums.sha256(run / CLAIMS), "figures/fig11.svg": "0" * 64}
-    write_json({key: {} for key in NEEDED} | {"products": products}, run / "run.json")
+    write_json({key: kinds[0]() for key, kinds in NEEDED.items()} | {"products": products}, run / "run.json")
     assert checksums.inspect(run).missing == (str(run / "figures/fig11.svg"),)
     (run / JOBS[CLAIMS] / checksums.MANIFEST).unlink()
     (run / CLAIMS).write_text("id\n3\n")

@@ -1,5 +1,7 @@
 """Comparing two records: exactly what differs, in both directions."""
 
+import json
+
 import pandas as pd
 import pytest
 from typer.testing import CliRunner
@@ -69,3 +71,39 @@ def test_tables_of_a_comparison_have_the_columns_that_are_drawn(run, other):
     found = compare(read_record(run), read_record(other))
     assert {"stage", "before", "after", "ratio"} == set(found.cost)
     assert isinstance(found.scores, pd.DataFrame)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("claims", 5), ("claims", [5]), ("stages", {}), ("products", []), ("commit", "abc"), ("config", None)]
+)
+def test_a_damaged_record_is_named_with_its_key(run, key, value):
+    path = run / "run.json"
+    path.write_text(json.dumps(json.loads(path.read_text()) | {key: value}))
+    result = CliRunner().invoke(app, ["compare", str(run), str(run)])
+    assert result.exit_code == BAD_INPUT
+    assert result.stderr.strip() == f"walklab: {path}: damaged, {key} is not what a record has there; run the study again"
+
+
+def test_numbers_that_are_none_end_in_one_line(run):
+    path = run / "run.json"
+    record = json.loads(path.read_text())
+    path.write_text(json.dumps(record | {"claims": [{"id": "first", "ours": "much", "verdict": "reproduced"}]}))
+    result = CliRunner().invoke(app, ["compare", str(run), str(run)])
+    assert result.exit_code == BAD_INPUT
+    assert "one of them is damaged" in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+
+
+def test_products_differ_by_checksum(run, other):
+    before, after = read_record(run), read_record(other)
+    found = compare(
+        before | {"products": {"a.csv": "0" * 64, "b.csv": "1" * 64}},
+        after | {"products": {"a.csv": "2" * 64, "b.csv": "1" * 64}},
+    )
+    assert found.products.to_dict("records") == [{"key": "a.csv", "before": "0" * 12, "after": "2" * 12}]
+
+
+def test_another_kind_of_picture_is_refused_before_anything_is_read(tmp_path):
+    result = CliRunner().invoke(app, ["compare", "nowhere", "nowhere", "-o", str(tmp_path / "x.txt")])
+    assert result.exit_code == BAD_INPUT
+    assert "give a name that ends in .png" in result.stderr

@@ -41,8 +41,8 @@ def test_a_migrated_model_draws_what_the_model_draws(model, tmp_path):
     ("header", "reason"),
     [
         ({"format": FORMAT, "version": VERSION}, "nothing to migrate"),
-        ({"format": FORMAT, "version": 99}, "known version .found 99"),
-        ({"format": "other"}, "known version .found None"),
+        ({"format": FORMAT, "version": 99}, "of version 99, .*update walklab"),
+        ({"format": "other"}, "not a walklab motion model"),
         ({"format": FORMAT, "version": 1}, "incomplete or inconsistent"),
     ],
 )

@@ -141,13 +141,13 @@ def test_nothing_is_drawn_where_the_surface_is_not_positive():
 
 @pytest.mark.parametrize("exponent", [1.0, 30.0])
 @pytest.mark.parametrize("basis", BASES)
-def test_bounds_that_do_not_hold_are_an_internal_error(basis, exponent):
+def test_bounds_that_do_not_hold_are_told(basis, exponent):
     model = known(basis, exponent)
     low = dataclasses.replace(model, rung=0.3 * model.rung)
-    with pytest.raises(RuntimeError, match="above its bound"):
+    with pytest.raises(InputError, match="above its bound"):
         low.sample(ASKED, 1000, np.random.default_rng(0))
     if basis == "multilinear":  # whose maps are zero at the lowest speed
-        with pytest.raises(RuntimeError, match="not positive"):
+        with pytest.raises(InputError, match="not positive"):
             dataclasses.replace(model, fixed={"v": 0.1}).sample(ASKED, 1, np.random.default_rng(0))
 
 

@@ -175,7 +175,7 @@ def test_a_file_of_another_kind_is_refused(model, maps, tmp_path):
 @pytest.mark.parametrize(
     ("change", "words"),
     [
-        (lambda t, h: h.update(version=99), "version 2"),
+        (lambda t, h: h.update(version=99), "version 99, .* up to 2; update walklab"),
         (lambda t, h: h.update(format="another"), "not a walklab motion model"),
         (lambda t, h: h.pop("basis"), "basis"),
         (lambda t, h: h.update(k=10_000), "model.k = 10000"),

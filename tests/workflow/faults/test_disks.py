@@ -104,6 +104,6 @@ def test_a_damaged_file_is_named_and_made_again(done, tally, fault):
         checked = CliRunner().invoke(app, ["check", str(done.results)])
         assert checked.exit_code == 1
         assert f"{name}: " in checked.output
-        command = line.split("rebuild it: snakemake ")[1].split(" (")[0]
+        command = line.split("rebuild it: .venv/bin/snakemake ")[1].split(" (")[0]
         done.run(*command.split())
         done.assert_undisturbed()
