@@ -97,6 +97,10 @@ _TABLES = {
         for table, title in (
             ("description", f"Travel-time errors, {scenario}"),
             (
+                "percentiles",
+                f"Percentiles of the travel-time errors and their intervals, {scenario}",
+            ),
+            (
                 "description_by_hull",
                 f"Travel-time errors inside and outside the training dependencies, {scenario}",
             ),

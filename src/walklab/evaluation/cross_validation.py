@@ -24,6 +24,7 @@ from walklab.evaluation.folds import by_participant
 from walklab.evaluation.forecasts import CLIMATOLOGY, Asked, Forecast, Known
 from walklab.evaluation.grid_scores import captured_distances
 from walklab.evaluation.nested import learn
+from walklab.evaluation.route_forecasts import mean_progress, route_energy
 from walklab.evaluation.scenario_forecasts import Learned, durations, forecast_scenario, route_lengths
 from walklab.evaluation.score_tables import calibration_table, walk_scores
 from walklab.evaluation.simulated_times import travel_times
@@ -224,6 +225,7 @@ def _forecasts(
         times[known] - static_s[known],
         times[known] - best_s,
         model.blending.maps[: len(known)].mean(axis=0),
+        mean_progress([study.walks[row] for row in known]),
     )
     learned = Learned(model, calibration, training, study.planner, study.standing, options.time_limit_s, options.metric)
     # The error floor of the grid reads the captured walk itself and forecasts nothing.
@@ -251,7 +253,7 @@ def _forecasts(
     # Whether this baseline exists must not differ between participants, so all walks are asked.
     speeds = [np.array([float(walk.row[f"{end}_speed_m_s"]) for walk in study.walks]) for end in ("start", "end")]
     if (alone := task_speeds(lengths, *speeds)) is not None:
-        found[TASK_SPEEDS] = Forecast(alone[asked])
+        found[TASK_SPEEDS] = Forecast(alone[asked], route_energy(walks, study.routes, alone[asked], training.progress))
     return found | forecast_scenario(walks, study.routes, task, learned, seed, replicate)
 
 

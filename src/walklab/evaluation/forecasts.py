@@ -44,6 +44,18 @@ LOG_REGRESSION, QUADRATIC_REGRESSION = "log regression", "quadratic log regressi
 GAUSSIAN_PROCESS = "Gaussian process"
 REGRESSION_EARLIER, LOG_REGRESSION_EARLIER = "regression, earlier walks", "log regression, earlier walks"
 QUADRATIC_REGRESSION_EARLIER = "quadratic log regression, earlier walks"
+# What forecasts times alone; its trajectories are the planned route (:mod:`walklab.evaluation.route_forecasts`).
+TIMES_ALONE = (
+    CLIMATOLOGY,
+    REGRESSION,
+    QUANTILE_REGRESSION,
+    LOG_REGRESSION,
+    QUADRATIC_REGRESSION,
+    GAUSSIAN_PROCESS,
+    REGRESSION_EARLIER,
+    LOG_REGRESSION_EARLIER,
+    QUADRATIC_REGRESSION_EARLIER,
+)
 
 INNER = 50  # quantiles of the density that its mixture with a pace is made of
 
@@ -61,6 +73,7 @@ class Known:
     few : rows of the walks that the kernel of the Gaussian process is fitted to
     static_residuals_s, adaptive_residuals_s : captured - simulated travel times of training walks
     bare : (C,) mean suitability of all training walks
+    progress : :func:`walklab.evaluation.route_forecasts.mean_progress` of all training walks
     """
 
     durations_s: Array
@@ -71,6 +84,7 @@ class Known:
     static_residuals_s: Array
     adaptive_residuals_s: Array
     bare: Array
+    progress: Array
 
     @functools.cached_property
     def log_regressions(self) -> tuple[LogRegression, LogRegression]:
@@ -124,7 +138,7 @@ class Forecast:
     """(W, M) equally likely travel times and, where there are trajectories, their energy score (W,) in metres.
 
     What gives one trajectory for each walk (P_Stat, P_Adapt, the resolution oracle) is scored as a point: by its distance. The
-    spread of training residuals is one of times and gives no others.
+    spread of training residuals is one of times and gives no others. What simulates nothing is put on the planned route.
     """
 
     members_s: Array

@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 
 from walklab.capture.walks import Walk
 from walklab.evaluation.calibration import Calibration
-from walklab.evaluation.forecasts import Asked, Forecast, Known, all_forecasts, effects_before, sharpened
+from walklab.evaluation.forecasts import TIMES_ALONE, Asked, Forecast, Known, all_forecasts, effects_before, sharpened
 from walklab.evaluation.grid_scores import captured_distances
+from walklab.evaluation.route_forecasts import mean_progress, route_energy
 from walklab.evaluation.tracing import drawn_energy, trace_walks
 from walklab.geometry import curves
 from walklab.geometry.standing import Standing
@@ -95,6 +96,7 @@ def known_walks(
         residuals["static_residual_s"].to_numpy(),
         residuals["adaptive_residual_s"].to_numpy(),
         normalise(scores, normalisation).mean(axis=0),
+        mean_progress(walks),
     )
 
 
@@ -144,7 +146,8 @@ def asked_walks(
 def forecast_scenario(
     walks: Sequence[Walk], routes: Mapping[str, Array], asked: Asked, learned: Learned, seed: int, replicate: int
 ) -> dict[str, Forecast]:
-    """Every forecast of the walks, P_Prob (extended) with the energy score of what its public model draws.
+    """Every forecast of the walks; P_Prob (extended) with the energy score of what its public model draws, forecasts of times
+    alone with that of the planned route.
 
     Parameters
     ----------
@@ -158,5 +161,8 @@ def forecast_scenario(
         rngs = [generator(seed, replicate, "score_forecasts", model, str(walk.row["walk"])) for walk in walks]
         drawn = paced.sample_batch(asked.vectors, DRAWS, rngs, effect)
         energy_m = drawn_energy(walks, routes, learned.planner, drawn, learned.time_limit_s)
+        found[model] = replace(found[model], energy_m=energy_m)
+    for model in TIMES_ALONE:
+        energy_m = route_energy(walks, routes, found[model].members_s, learned.known.progress)
         found[model] = replace(found[model], energy_m=energy_m)
     return found

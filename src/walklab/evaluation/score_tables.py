@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from walklab.evaluation.bootstrap import DECIMALS, RESAMPLES, cluster_codes, cluster_counts, interval, resampled_sums
 from walklab.evaluation.crps import ensemble_crps
-from walklab.evaluation.forecasts import INFORMED, Forecast
+from walklab.evaluation.forecasts import INFORMED, QUADRATIC_REGRESSION, REGRESSION, Forecast
 from walklab.evaluation.subject_scores import OWN_MAP
 
 Array = NDArray[np.float64]
@@ -64,7 +64,8 @@ def score_table(rows: pd.DataFrame, rng: np.random.Generator, resamples: int = R
     DataFrame: scenario, hull (all, inside, outside), model, information (``task``, ``task and earlier walks``, ``the walk
     itself``), walks, participants, then each of :data:`MEANS` with <name>_low and <name>_high, pit_distance (Kolmogorov-Smirnov
     distance of the PIT from uniform; walks are not independent, so no p), draw_median_abs_dt_s (not a proper score),
-    crps_minus_regression_s with its interval, paired by walk
+    crps_minus_regression_s (of :data:`REGRESSION`) and energy_minus_regression_m (of :data:`QUADRATIC_REGRESSION` on the planned
+    route) with their intervals, paired by walk
     """
     from scipy.stats import kstest  # late: half a second of imports
 
@@ -79,7 +80,8 @@ def score_table(rows: pd.DataFrame, rng: np.random.Generator, resamples: int = R
             row |= {"walks": len(group), "participants": clusters}
             values = {name: group[name].to_numpy(dtype=float) for name in MEANS}
             # The walks of all models are in the same order.
-            values["crps_minus_regression_s"] = values["crps_s"] - by_model["regression"]["crps_s"].to_numpy()
+            values["crps_minus_regression_s"] = values["crps_s"] - by_model[REGRESSION]["crps_s"].to_numpy()
+            values["energy_minus_regression_m"] = values["energy_m"] - by_model[QUADRATIC_REGRESSION]["energy_m"].to_numpy()
             for name, value in values.items():
                 low, high = interval(resampled_sums(value, codes, counts) / sizes, clusters)
                 row |= {name: float(np.round(value.mean(), DECIMALS)), f"{name}_low": low, f"{name}_high": high}

@@ -24,7 +24,7 @@ from walklab.report.contents import Contents
 from walklab.report.findings import forecast_findings, real_findings, realism_findings
 from walklab.report.published import Comparison, beside_figure, beside_table, claimed, published_text
 from walklab.report.sections import SECTIONS, Section, figure_title, placed, tables_of
-from walklab.report.tables import Table, descriptions, headline, medians, table_of, verdict_counts, with_interval
+from walklab.report.tables import Table, headline, table_of, verdict_counts, with_interval
 
 STYLES = ("style.css", "widgets.css", "print.css")
 SCRIPTS = ("theme.js", "tables.js", "drawing.js", "maps.js", "walks.js")
@@ -89,11 +89,7 @@ def render(contents: Contents) -> str:
             paper=contents.paper,
             sections=[found for section in SECTIONS if (found := _section(section, contents))["present"]],
             present=set(frames) | set(contents.figures),
-            medians=headline(
-                medians(descriptions(frames), contents.paper) if contents.paper else [],
-                frames.get("claims"),
-                frames.get("scores"),
-            ),
+            medians=headline(contents),
             verdicts=verdict_counts(frames.get("claims"), list(VERDICTS)),
             forecast_findings=forecast_findings(frames.get("scores"), frames.get("tests")) + real_findings(frames.get("tests")),
             realism_findings=realism_findings(frames.get("realism")),

@@ -21,10 +21,11 @@ from reportlab.platypus import Flowable, Image, KeepTogether, LongTable, Paragra
 
 from walklab.figures.claims import VERDICTS
 from walklab.figures.pages import number_text
+from walklab.figures.style import read_name
 from walklab.report.contents import Contents, ReportFigure
 from walklab.report.published import Comparison, beside_figure, beside_table, claimed, published_text
 from walklab.report.sections import SECTIONS, figure_title, placed, tables_of
-from walklab.report.tables import Table, descriptions, medians, table_of, verdict_counts, with_interval
+from walklab.report.tables import SCORE_HEADINGS, Table, headline, score_rows, table_of, verdict_counts, with_interval
 
 MARGIN = 15 * mm
 FRAME_WIDTH, FIGURE_HEIGHT = A4[0] - 2 * MARGIN, 210 * mm
@@ -83,7 +84,7 @@ def _story(contents: Contents) -> list[Flowable]:
     if counts:
         story.append(_paragraph("Claims of the paper: " + ", ".join(f"{count} {verdict}" for verdict, count in counts) + "."))
     if contents.paper:
-        story += _medians(contents)
+        story += _headline(contents)
     where = placed({name: figure.category for name, figure in contents.figures.items()})
     for section in SECTIONS:
         parts: list[Flowable] = []
@@ -95,6 +96,8 @@ def _story(contents: Contents) -> list[Flowable]:
             title = []
         if section.key == "verdicts":
             parts += _comparisons(claimed(frames.get("claims"), ("",)))
+        if section.key == "forecasts":
+            parts += _titled("Proper scores of all forecasts", SCORE_HEADINGS, score_rows(frames.get("scores")))
         for name in tables_of(section, list(contents.tables)):
             found = contents.tables[name]
             if name != "claims":
@@ -105,22 +108,29 @@ def _story(contents: Contents) -> list[Flowable]:
     return story
 
 
-def _medians(contents: Contents) -> list[Flowable]:
+def _headline(contents: Contents) -> list[Flowable]:
     """The paper's main result, as the page opens with it."""
-    rows = medians(descriptions(contents.frames), contents.paper)
     cells = [
         (
             row["scenario"],
-            row["model"],
+            read_name(row["model"]),
             "–" if row["published"] is None else number_text(row["published"]),
-            number_text(row["ours"]),
+            with_interval(row["ours"], row["low"], row["high"]) or "–",
+            with_interval(*row["crps"]) or "–",
         )
-        for row in rows
+        for row in headline(contents)
     ]
-    title = _paragraph(
-        "Median absolute travel-time error of one simulated walk", 9, True, spaceBefore=8, spaceAfter=3, keepWithNext=1
-    )
-    return [title, _grid(("scenario", "model", "published (s)", "ours (s)"), cells, {2, 3})] if rows else []
+    head = ("scenario", "model", "published (s)", "ours (s) [95 %]", "CRPS (s) [95 %]")
+    return _titled("Median absolute travel-time error of one simulated walk, and the score of the whole forecast", head, cells)
+
+
+def _titled(title: str, head: Sequence[str], cells: Sequence[Sequence[str]]) -> list[Flowable]:
+    """A table under its title, texts first, then numbers; nothing for no rows."""
+    if not cells:
+        return []
+    heading = _paragraph(title, 9, True, spaceBefore=8, spaceAfter=3, keepWithNext=1)
+    numbers = {at for at, name in enumerate(head) if "(" in name}
+    return [heading, _grid(head, cells, numbers), Spacer(0, 8)]
 
 
 def _figure(figure: ReportFigure) -> list[Flowable]:

@@ -38,7 +38,7 @@ SECTIONS = (
     Section("space", "Blending space", ("fig06", "dependency_clouds"), (), ("density",)),
     Section("model", "Run-time model", ("fig08", "fig09"), ("Model",), ("optimum",), interactive="maps"),
     Section("scenarios", "Both scenarios", ("fig10",), (), ("floor_",), interactive="walks"),
-    Section("statistics", "Statistics", ("fig11", "fig12"), (), ("description_", "comparisons_", "mixed_")),
+    Section("statistics", "Statistics", ("fig11", "fig12"), (), ("description_", "percentiles_", "comparisons_", "mixed_")),
     Section(
         "analyses",
         "Analyses",

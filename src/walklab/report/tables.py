@@ -11,6 +11,7 @@ import pandas as pd
 from walklab.evaluation.forecasts import EXTENDED
 from walklab.figures.pages import number_text
 from walklab.figures.style import read_name
+from walklab.report.contents import Contents
 
 LONG_TEXT = 40
 UNITS = {"_1_m": "1/m", "_km": "km", "_ms": "ms", "_s": "s", "_m": "m", "_percent": "%"}
@@ -86,9 +87,8 @@ def _missing(value: Any) -> bool:
     return value is None or (isinstance(value, float) and value != value)
 
 
-def descriptions(frames: Mapping[str, pd.DataFrame]) -> dict[str, pd.DataFrame]:
-    """Scenario -> its table of errors, of those that a run has."""
-    beginning = "description_"
+def descriptions(frames: Mapping[str, pd.DataFrame], beginning: str = "description_") -> dict[str, pd.DataFrame]:
+    """Scenario -> its table of errors (or another whose name begins so), of those that a run has."""
     return {
         name.removeprefix(beginning): frame
         for name, frame in frames.items()
@@ -109,16 +109,19 @@ def medians(described: Mapping[str, pd.DataFrame], paper: Mapping[str, Any]) -> 
     return rows
 
 
-def headline(rows: Sequence[Mapping[str, Any]], claims: pd.DataFrame | None, scores: pd.DataFrame | None) -> list[dict[str, Any]]:
+def headline(contents: Contents) -> list[dict[str, Any]]:
     """The medians with their intervals, and beside them the CRPS of each model's forecast; then the extended model's.
 
-    Parameters
-    ----------
-    rows : of :func:`medians`
-    claims : DataFrame[id, ours_low, ours_high]: where a median is a claim, its interval stands there
-    scores : DataFrame[scenario, hull, model, crps_s, crps_s_low, crps_s_high]
+    The extended model is a forecast only: no single walk of it is drawn, so it has no median.
     """
-    intervals = {} if claims is None else claims.set_index("id")[["ours_low", "ours_high"]].to_dict("index")
+    frames = contents.frames
+    rows = medians(descriptions(frames), contents.paper) if contents.paper else []
+    scores = frames.get("scores")
+    intervals = {
+        (scenario, row["model"]): (row["low"], row["high"])
+        for scenario, frame in descriptions(frames, "percentiles_").items()
+        for row in frame[frame["statistic"] == "median"].to_dict("records")
+    }
     crps = {}
     if scores is not None and "crps_s_low" in scores:
         names = ["crps_s", "crps_s_low", "crps_s_high"]
@@ -132,11 +135,40 @@ def headline(rows: Sequence[Mapping[str, Any]], claims: pd.DataFrame | None, sco
         if (scenario, EXTENDED) in crps:
             own.append({"scenario": scenario, "model": EXTENDED, "ours": None, "published": None})
         for row in own:
-            ends = intervals.get(f"{scenario}_{row['model']}_median".replace(" ", "_").lower(), {})
+            low, high = intervals.get((scenario.replace(" ", "_"), row["model"]), (None, None))
             forecasts = (read_name(row["model"]), f"{row['model']} with residual spread")
             scored = next((crps[scenario, name] for name in forecasts if (scenario, name) in crps), [None] * 3)
-            found.append({**row, "low": ends.get("ours_low"), "high": ends.get("ours_high"), "crps": scored})
+            found.append({**row, "low": low, "high": high, "crps": scored})
     return found
+
+
+SCORE_HEADINGS = (
+    "scenario",
+    "forecast",
+    "knows",
+    "CRPS (s) [95 %]",
+    "energy score (m) [95 %]",
+    "90 % interval holds (%)",
+    "bias (s)",
+)
+
+
+def score_rows(scores: pd.DataFrame | None) -> list[tuple[str, ...]]:
+    """Proper scores of all forecasts over all walks of a scenario, as texts under :data:`SCORE_HEADINGS`."""
+    if scores is None or not {"hull", "crps_s_low", "energy_m_low", "coverage_90", "bias_s"} <= set(scores):
+        return []
+    return [
+        (
+            str(row["scenario"]).replace("_", " "),
+            read_name(str(row["model"])),
+            str(row["information"]),
+            with_interval(row["crps_s"], row["crps_s_low"], row["crps_s_high"]),
+            with_interval(row["energy_m"], row["energy_m_low"], row["energy_m_high"]) or "no trajectories",
+            "one time" if _missing(row["coverage_90"]) else f"{100 * row['coverage_90']:.1f}",
+            number_text(row["bias_s"]),
+        )
+        for row in scores[scores["hull"] == "all"].to_dict("records")
+    ]
 
 
 def verdict_counts(claims: pd.DataFrame | None, order: Sequence[str]) -> list[tuple[str, int]]:

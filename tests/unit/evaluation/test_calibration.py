@@ -272,6 +272,7 @@ def study(seed: int = 5) -> tuple[Known, Asked, np.ndarray]:
         rng.normal(0, 0.2, 40),
         rng.normal(0, 0.3, 40),
         learned.suitability.mean(axis=0),
+        np.linspace(0, 1, 41),
     )
     wanted = rng.uniform(1, 4, (40, 2))
     times = asked.captured_s + rng.normal(0, 0.2, (3, 40))

@@ -10,8 +10,9 @@ import pytest
 
 from walklab.capture.walks import Walk
 from walklab.evaluation.calibration import Calibration
-from walklab.evaluation.forecasts import CALIBRATED, EXTENDED, INFORMED, REGRESSION, Asked, Forecast
+from walklab.evaluation.forecasts import CALIBRATED, EXTENDED, INFORMED, REGRESSION, TIMES_ALONE, Asked, Forecast
 from walklab.evaluation.long_distance import straight_travel_time_s
+from walklab.evaluation.route_forecasts import route_energy
 from walklab.evaluation.scenario_forecasts import Learned, asked_walks, durations, forecast_scenario, known_walks
 from walklab.evaluation.subject_scores import OWN_MAP
 from walklab.evaluation.tracing import drawn_energy
@@ -172,3 +173,17 @@ def test_the_extended_models_energy_score_is_of_its_own_draws(learned: Learned, 
     slower = replace(learned, calibration=replace(learned.calibration, pace=replace(FLAT, effect=PaceEffect(1.0, 0.08, 0.04))))
     late = forecast_scenario(asked_for, routes_of(asked_for), asked, slower, 7, 0)
     assert late[EXTENDED].energy_m.mean() > 2 * found[EXTENDED].energy_m.mean()
+
+
+def test_forecasts_of_times_alone_are_put_on_the_planned_route(learned: Learned, asked_for: list[Walk]) -> None:
+    """Their trajectories are those of their own times; how the walk that is forecast went on its way is only scored."""
+    asked, found = forecast(asked_for, learned)
+    for name in TIMES_ALONE:
+        np.testing.assert_array_equal(
+            found[name].energy_m, route_energy(asked_for, routes_of(asked_for), found[name].members_s, learned.known.progress)
+        )
+    assert len({float(found[name].energy_m.mean()) for name in TIMES_ALONE}) == len(TIMES_ALONE)
+    late = replace(learned, known=replace(learned.known, progress=learned.known.progress**3))
+    other = forecast_scenario(asked_for, routes_of(asked_for), asked, late, 7, 0)
+    assert (other[REGRESSION].energy_m != found[REGRESSION].energy_m).all()
+    np.testing.assert_array_equal(other[REGRESSION].members_s, found[REGRESSION].members_s)

@@ -9,7 +9,7 @@ import html5lib
 import numpy as np
 import pandas as pd
 import pytest
-from report_contents import HOSTILE, claims, contents, record
+from report_contents import HOSTILE, PAPER, claims, contents, record
 
 from walklab.report.contents import Contents, ReportTable
 from walklab.report.page import label, render
@@ -167,9 +167,12 @@ def test_style_and_script_ship_with_the_package():
     assert not re.search(r"https?://", "".join(path.read_text() for path in folder.rglob("*.*")))
 
 
-def test_the_headline_has_intervals_where_a_claim_has_them_and_the_score_of_each_forecast():
+def test_the_headline_has_the_interval_of_each_median_and_the_score_of_each_forecast():
     models = ("P_Stat", "P_Adapt", "P_Prob", "P_Prob (calibrated)")
-    rows = [{"scenario": "scenario 1", "model": name, "ours": 0.15, "published": None} for name in models]
+    described = pd.DataFrame({"model": models, "median": 0.15})
+    percentiles = pd.DataFrame(
+        {"model": models * 2, "statistic": ["p95"] * 4 + ["median"] * 4, "low": [9] * 4 + [1, 2, 3, 4], "high": 5}
+    )
     names = ["P_Stat with residual spread", "P_Adapt", "P_Prob (literal)", "P_Prob (extended)", "regression"]
     scores = pd.DataFrame(
         [
@@ -179,10 +182,14 @@ def test_the_headline_has_intervals_where_a_claim_has_them_and_the_score_of_each
         ],
         columns=["scenario", "hull", "model", "crps_s", "crps_s_low", "crps_s_high"],
     )
-    found = {row["model"]: row for row in headline(rows, claims(), scores)}
+    tables = {"description_scenario_1": described, "percentiles_scenario_1": percentiles, "scores": scores}
+
+    def rows(*kept: str) -> list[dict]:
+        return headline(Contents(record(), PAPER, {}, {name: ReportTable(name, name, tables[name]) for name in kept}))
+
+    found = {row["model"]: row for row in rows(*tables)}
     assert list(found) == [*models, "P_Prob (extended)"]
-    assert (found["P_Stat"]["low"], found["P_Stat"]["high"]) == (0.1333, 0.216667)
-    assert found["P_Prob"]["low"] is None
+    assert [(found[name]["low"], found[name]["high"]) for name in models] == [(1, 5), (2, 5), (3, 5), (4, 5)]
     assert [found[name]["crps"][0] for name in found] == pytest.approx([0.0, 0.1, 0.2, None, 0.3])
     assert found["P_Prob (extended)"]["ours"] is None
-    assert [row["crps"] for row in headline(rows, None, None)] == [[None] * 3] * 4
+    assert [(row["low"], row["crps"]) for row in rows("description_scenario_1")] == [(None, [None] * 3)] * 4

@@ -6,8 +6,10 @@ import pandas as pd
 import pytest
 from report_contents import contents, record
 
+from walklab.report import pdf
 from walklab.report.contents import Contents, ReportTable
 from walklab.report.pdf import FRAME_WIDTH, _register_fonts, _widths, pdf_of
+from walklab.report.tables import headline, with_interval
 
 
 @pytest.fixture(scope="module")
@@ -41,3 +43,16 @@ def test_columns_fill_the_page_at_most():
 
 def test_a_run_with_next_to_nothing_has_a_pdf():
     assert pdf_of(Contents(record(kind="table"), {}, {}, {})).startswith(b"%PDF")
+
+
+def test_it_opens_with_the_rows_of_the_page(made, monkeypatch):
+    """Every text that goes into the PDF is seen on its way; the headline is the page's, scores and all."""
+    texts = []
+    paragraph = pdf._paragraph
+    monkeypatch.setattr(pdf, "_paragraph", lambda text, *size, **more: texts.append(text) or paragraph(text, *size, **more))
+    pdf_of(made)
+    rows = headline(made)
+    assert rows
+    for row in rows:
+        assert row["model"] == "P_Prob" or row["model"] in texts
+        assert (with_interval(row["ours"], row["low"], row["high"]) or "–") in texts
