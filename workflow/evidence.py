@@ -73,17 +73,24 @@ def replicated_scores(folder):
 
 
 def replicated_differences(folder):
-    """CRPS of the learned models minus that of every other forecast."""
+    """CRPS, then energy score, of the learned models minus that of every other forecast."""
     scores = pd.read_csv(folder / "scores.csv")
-    rows = scores[(scores["hull"] == "all") & (scores["measure"] == "crps_difference_s") & scores["model"].isin(MODELS)]
+    tables = [_differences(scores, "crps_difference_s", "CRPS of (s)", 3)]
+    if "energy_difference_m" in set(scores["measure"]):
+        tables.append(_differences(scores, "energy_difference_m", "energy score of (m)", 4))
+    return "\n\n".join(tables)
+
+
+def _differences(scores, measure, words, digits):
+    rows = scores[(scores["hull"] == "all") & (scores["measure"] == measure) & scores["model"].isin(MODELS)]
     keyed = rows.set_index(["against", "model", "scenario"])
     pairs = [(model, scenario) for model in MODELS for scenario in dict.fromkeys(rows["scenario"])]
     table = []
     for against in dict.fromkeys(rows["against"]):
         keys = [(against, *pair) for pair in pairs]
-        table.append([against, *(interval(keyed.loc[key]) if key in keyed.index else "-" for key in keys)])
+        table.append([against, *(interval(keyed.loc[key], digits) if key in keyed.index else "-" for key in keys)])
     header = [f"{model}, {scenario.replace('_', ' ')}" for model, scenario in pairs]
-    return markdown(["minus the CRPS of (s)", *header], table)
+    return markdown([f"minus the {words}", *header], table)
 
 
 def replicated_claims(folder):

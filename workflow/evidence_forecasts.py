@@ -2,6 +2,7 @@
 
 import pandas as pd
 
+from walklab.evaluation.forecasts import TIMES_ALONE
 from walklab.evaluation.score_tables import information
 from walklab.evaluation.subject_scores import OWN_MAP
 from walklab.report.findings import (
@@ -244,7 +245,29 @@ def replicated_findings(folder):
                     f" less in {row['below_zero']} of {row['replicates']} populations."
                 )
         told.append(text + _held_goal(folder, scenario))
+        told += _replicated_trajectories(part, words)
     return bullets(told)
+
+
+def _replicated_trajectories(part, words):
+    """The learned models' trajectories beside the best of those along the planned route, by energy score over populations."""
+    means = part[(part["measure"] == "energy_m") & part["model"].isin(TIMES_ALONE)].set_index("model")["value"]
+    means = means[[name for name in means.index if name in BASELINES]]
+    if means.empty:
+        return []
+    best = str(means.idxmin())
+    text = (
+        f"{words}, trajectories: of the planned route, walked in a forecast time, that of {best} is best ({means[best]:.4f} m)."
+    )
+    for model in (CALIBRATED, EXTENDED):
+        found = part[(part["measure"] == "energy_difference_m") & (part["model"] == model) & (part["against"] == best)]
+        for row in found.to_dict("records"):
+            verb = "wins" if row["high"] < 0 else "loses" if row["low"] > 0 else "differs by less than the interval"
+            text += (
+                f" Against it {model} {verb}: {row['value']:+.4f} m [{row['low']:+.4f}, {row['high']:+.4f}],"
+                f" less in {row['below_zero']} of {row['replicates']} populations."
+            )
+    return [text]
 
 
 def _held_goal(folder, scenario):

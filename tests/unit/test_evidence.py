@@ -28,6 +28,11 @@ def test_populations_name_the_best_baseline_and_count_who_kept_the_goal(told, tm
         pooled("crps_difference_s", "P_Prob (calibrated)", 0.02, "Gaussian process", 1),
         pooled("crps_difference_s", "P_Prob (extended)", -0.05, "Gaussian process", 3),
         pooled("crps_difference_s", "P_Prob (extended)", -0.1, "P_Stat with residual spread", 3),
+        pooled("energy_m", "P_Stat with residual spread", 0.01),  # simulates
+        pooled("energy_m", "Gaussian process", 0.07),
+        pooled("energy_m", "regression", 0.08),
+        pooled("energy_m", "regression, earlier walks", 0.06),  # knows more
+        pooled("energy_difference_m", "P_Prob (extended)", -0.0104, "Gaussian process", 3),
     ]
     pd.DataFrame(rows).to_csv(tmp_path / "scores.csv")
     for number, share in enumerate((0.85, 0.9, 0.94)):
@@ -41,7 +46,10 @@ def test_populations_name_the_best_baseline_and_count_who_kept_the_goal(told, tm
     assert "the best baseline by its mean CRPS is Gaussian process (0.150 s)" in text
     assert "P_Prob (calibrated) loses: +0.020 s [+0.010, +0.030], less in 1 of 3 populations" in text
     assert "P_Prob (extended) wins: -0.050 s [-0.060, -0.040], less in 3 of 3 populations" in text
-    assert text.endswith("held 86 to 94 % of the walks in 2 of 3 populations.")
+    first, second = text.split("\n")
+    assert first.endswith("held 86 to 94 % of the walks in 2 of 3 populations.")
+    assert "walked in a forecast time, that of Gaussian process is best (0.0700 m)" in second
+    assert second.endswith("P_Prob (extended) wins: -0.0104 m [-0.0204, -0.0004], less in 3 of 3 populations.")
 
 
 def test_the_multiverse_counts_what_holds_everywhere(told, tmp_path):

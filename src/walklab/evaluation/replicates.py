@@ -17,7 +17,8 @@ from walklab.errors import InputError
 from walklab.evaluation.claims import NOT_CHECKABLE, PARTLY, REPRODUCED, Paper
 
 MEASURES = ("crps_s", "energy_m", "coverage_90", "width_90_s", "bias_s")
-DIFFERENCE = "crps_difference_s"
+DIFFERENCE, ENERGY_DIFFERENCE = "crps_difference_s", "energy_difference_m"
+DIFFERENCES = {DIFFERENCE: "crps_s", ENERGY_DIFFERENCE: "energy_m"}
 JUDGED = "P_Prob"  # forecasts whose names start so are compared with every other
 
 
@@ -78,23 +79,28 @@ def pool_scores(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     Returns
     -------
     DataFrame[scenario, hull, measure, model, information, against, value, low, high, sd, below_zero, replicates]. ``measure`` is
-    one of :data:`MEASURES`, or :data:`DIFFERENCE`: the CRPS of ``model``, a variant of P_Prob, minus that of ``against`` in the
-    same replicate, negative if ``model`` is better. ``value`` is the mean over the replicates that have such walks,
-    ``low, high`` its 95 % interval by Student's t, ``sd`` their standard deviation, ``below_zero`` in how many it is negative
+    one of :data:`MEASURES`, or of :data:`DIFFERENCES`: the CRPS (or energy score) of ``model``, a variant of P_Prob, minus that of
+    ``against`` in the same replicate, negative if ``model`` is better. ``value`` is the mean over the replicates that have such
+    walks, ``low, high`` its 95 % interval by Student's t, ``sd`` their standard deviation, ``below_zero`` in how many it is negative
     """
     rows = pd.concat([table.assign(replicate=number) for number, table in enumerate(tables)], ignore_index=True)
     rows["information"] = rows["information"].astype(str)
     keys = ["scenario", "hull", "model", "information"]
     long = rows.melt([*keys, "replicate"], list(MEASURES), "measure", "value").dropna(subset="value")
     pooled = _over_replicates(long.assign(against=""))
-    crps = rows[[*keys, "replicate", "crps_s"]]
-    pairs = crps[crps["model"].str.startswith(JUDGED)].merge(
-        crps.drop(columns="information").rename(columns={"model": "against", "crps_s": "other_s"}),
+    differences = [_over_replicates(_differences(rows, keys, name, score)) for name, score in DIFFERENCES.items()]
+    return pd.concat([pooled, *differences], ignore_index=True)
+
+
+def _differences(rows: pd.DataFrame, keys: list[str], measure: str, score: str) -> pd.DataFrame:
+    """A score of each variant of P_Prob minus that of every other forecast, by replicate."""
+    scored = rows[[*keys, "replicate", score]]
+    pairs = scored[scored["model"].str.startswith(JUDGED)].merge(
+        scored.drop(columns="information").rename(columns={"model": "against", score: "other"}),
         on=["scenario", "hull", "replicate"],
     )
     pairs = pairs[pairs["model"] != pairs["against"]]
-    pairs = pairs.assign(measure=DIFFERENCE, value=pairs["crps_s"] - pairs["other_s"])
-    return pd.concat([pooled, _over_replicates(pairs)], ignore_index=True)
+    return pairs.assign(measure=measure, value=pairs[score] - pairs["other"]).dropna(subset="value")
 
 
 def _over_replicates(long: pd.DataFrame) -> pd.DataFrame:

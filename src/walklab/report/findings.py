@@ -13,6 +13,7 @@ from walklab.evaluation.forecasts import (
     EXTENDED,
     EXTENDED_EARLIER,
     GAUSSIAN_PROCESS,
+    QUADRATIC_REGRESSION,
     REGRESSION,
     STATIC,
 )
@@ -50,7 +51,34 @@ def forecast_findings(scores: pd.DataFrame | None, tests: pd.DataFrame | None) -
         sentences = [f"{name} has {_crps(rows[name])}{_against(tests, scenario, rows, best, name)}" for name in learned]
         leans = [f"{rows[name]['bias_s']:+.2f} s ({name})" for name in (best, *learned)]
         found.append(". ".join([opening, *sentences, f"Mean forecast minus captured time: {', '.join(leans)}."]))
-    return found + _informed(scenarios, tests) + _coverage(scenarios)
+    return found + _informed(scenarios, tests) + _coverage(scenarios) + trajectory_findings(scores)
+
+
+def trajectory_findings(scores: pd.DataFrame) -> list[str]:
+    """How the learned models' trajectories stand to the planned route, walked in the time of the quadratic log regression.
+
+    Parameters
+    ----------
+    scores : with ``energy_minus_regression_m`` and its interval, which resamples participants
+    """
+    if "energy_minus_regression_m_low" not in scores:
+        return []
+    found = []
+    for scenario, rows in _by_scenario(scores).items():
+        parts = []
+        for name in (CALIBRATED, EXTENDED):
+            if name in rows:
+                gain, low, high = (-rows[name][f"energy_minus_regression_m{end}"] for end in ("", "_high", "_low"))
+                word, low, high = ("less", low, high) if gain > 0 else ("more", -high, -low)
+                zero = "excludes" if low > 0 else "includes"
+                parts.append(f"that of {name} is {word} by {abs(gain):.4f} m [{low:.4f}, {high:.4f}], which {zero} zero")
+        if parts:
+            base = f"{rows[QUADRATIC_REGRESSION]['energy_m']:.3f} m" if QUADRATIC_REGRESSION in rows else "known"
+            found.append(
+                f"{_words(scenario)}, trajectories: the energy score of the planned route, walked in the time of the"
+                f" {QUADRATIC_REGRESSION}, is {base}; {'; '.join(parts)}."
+            )
+    return found
 
 
 def real_findings(tests: pd.DataFrame | None) -> list[str]:

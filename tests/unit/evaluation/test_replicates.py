@@ -8,7 +8,7 @@ import pytest
 
 from walklab.errors import InputError
 from walklab.evaluation.claims import NOT_CHECKABLE, NOT_REPRODUCED, PARTLY, REPRODUCED, load_paper
-from walklab.evaluation.replicates import DIFFERENCE, MEASURES, count_claims, pool_scores
+from walklab.evaluation.replicates import DIFFERENCE, ENERGY_DIFFERENCE, MEASURES, count_claims, pool_scores
 from walklab.evaluation.subject_scores import OWN_MAP
 
 ROOT = Path(__file__).parents[3]
@@ -111,6 +111,16 @@ def test_every_variant_of_p_prob_meets_every_other_forecast_in_each_scenario():
     found = differences.set_index(["scenario", "model", "against"])["value"]
     assert found["scenario_2", "P_Prob (literal)", "regression"] == pytest.approx(-2)
     assert "energy_m" not in set(pooled["measure"]), "a score that no forecast has is no row"
+    assert ENERGY_DIFFERENCE not in set(pooled["measure"])
+
+
+def test_energy_scores_differ_apart_from_crps():
+    tables = [
+        scores({"P_Prob (literal)": 1.0, "regression": 3.0}).assign(energy_m=[0.2 + level, 0.3 + level]) for level in (0, 5)
+    ]
+    row = pool_scores(tables).query("measure == @ENERGY_DIFFERENCE").iloc[0]
+    assert (row["model"], row["against"], row["below_zero"]) == ("P_Prob (literal)", "regression", 2)
+    assert row["value"] == pytest.approx(-0.1)
 
 
 def test_the_interval_holds_the_true_mean_as_often_as_it_says():

@@ -48,6 +48,15 @@ def test_the_winner_is_named_with_the_difference_and_its_interval():
     assert "P_Prob (extended) has 0.150 s [0.140, 0.160], better by 0.050 s [0.040, 0.060], which excludes zero" in first
 
 
+def test_trajectories_are_held_against_the_planned_route():
+    table = scores().assign(energy_minus_regression_m=0.0, energy_minus_regression_m_low=0.0, energy_minus_regression_m_high=0.0)
+    for name, values in (("P_Prob (calibrated)", (0.004, 0.001, 0.007)), ("P_Prob (extended)", (-0.003, -0.007, 0.002))):
+        table.loc[(table["model"] == name) & (table["hull"] == "all"), table.columns[-3:]] = values
+    found = forecast_findings(table, pairs(-0.1, -0.17, -0.02))[-1]
+    assert "that of P_Prob (calibrated) is more by 0.0040 m [0.0010, 0.0070], which excludes zero" in found
+    assert "that of P_Prob (extended) is less by 0.0030 m [-0.0020, 0.0070], which includes zero" in found
+
+
 def test_a_pair_that_was_not_tested_is_an_error_and_not_left_out():
     with pytest.raises(InputError, match="0 rows of Gaussian process against"):
         forecast_findings(scores(), pairs(-0.1, -0.17, -0.02).iloc[1:])
