@@ -79,9 +79,10 @@ def pool_scores(tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
     Returns
     -------
     DataFrame[scenario, hull, measure, model, information, against, value, low, high, sd, below_zero, replicates]. ``measure`` is
-    one of :data:`MEASURES`, or of :data:`DIFFERENCES`: the CRPS (or energy score) of ``model``, a variant of P_Prob, minus that of
-    ``against`` in the same replicate, negative if ``model`` is better. ``value`` is the mean over the replicates that have such
-    walks, ``low, high`` its 95 % interval by Student's t, ``sd`` their standard deviation, ``below_zero`` in how many it is negative
+    one of :data:`MEASURES`, or of :data:`DIFFERENCES`: the CRPS (or energy score) of ``model``, a variant of P_Prob, minus that
+    of ``against`` in the same replicate, negative if ``model`` is better. ``value`` is the mean over the replicates that have
+    such walks, ``low, high`` its 95 % interval by Student's t, ``sd`` their standard deviation, ``below_zero`` in how many it
+    is negative
     """
     rows = pd.concat([table.assign(replicate=number) for number, table in enumerate(tables)], ignore_index=True)
     rows["information"] = rows["information"].astype(str)
