@@ -94,29 +94,31 @@ _TABLES = {
             title,
         )
         for scenario in SCENARIOS
+        for words in [scenario.replace("_", " ")]
         for table, title in (
-            ("description", f"Travel-time errors, {scenario}"),
+            ("description", f"Travel-time errors, {words}"),
             (
                 "percentiles",
-                f"Percentiles of the travel-time errors and their intervals, {scenario}",
+                f"Percentiles of the travel-time errors and their intervals, {words}",
             ),
             (
                 "description_by_hull",
-                f"Travel-time errors inside and outside the training dependencies, {scenario}",
+                f"Travel-time errors inside and outside the training dependencies, {words}",
             ),
-            ("comparisons", f"Pairs of models, {scenario}"),
+            ("comparisons", f"Pairs of models, {words}"),
             (
                 "mixed",
-                f"Mixed models with a random intercept per participant, {scenario}",
+                f"Mixed models with a random intercept per participant, {words}",
             ),
         )
     },
     **{
         f"floor_{scenario}": (
             first(rules.floor_grid.output.floor).replace("{scenario}", scenario),
-            f"Error floor of the grid: each walk with the best cell of its own map, {scenario}",
+            f"Error floor of the grid: each walk with the best cell of its own map, {words}",
         )
         for scenario in SCENARIOS
+        for words in [scenario.replace("_", " ")]
     },
     "scores": (
         first(rules.score_forecasts.output.scores),

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -17,6 +18,26 @@ LONG_TEXT = 40
 UNITS = {"_1_m": "1/m", "_km": "km", "_ms": "ms", "_s": "s", "_m": "m", "_percent": "%"}
 # A column and those with its interval, beside `x`, `x_low`, `x_high`.
 INTERVALS = {"value": ("low", "high"), "estimate_s": ("low_s", "high_s"), "increase_s": ("increase_low", "increase_high")}
+# How a reader is told what the files call otherwise; other names lose their underscores.
+HEADINGS = {
+    "kth_median": "distance to the k-th nearest, median",
+    "kth_p95": "distance to the k-th nearest, 95th percentile",
+    "nearest_cv": "distance to the nearest, coefficient of variation",
+    "n": "walks",
+}
+NAMES = {
+    "k_nearest": "k nearest",
+    "k_nearest_by_participant": "k nearest, participant left out",
+    "rbf": "radial basis functions",
+    "absolute_first": "absolute errors of P_Stat added up, a car",
+    "absolute_second": "absolute errors of P_Prob added up, a car",
+    "absolute_reduction": "their reduction",
+    "net_first": "signed errors of P_Stat added up, a car",
+    "net_second": "signed errors of P_Prob added up, a car",
+    "net_reduction": "their reduction, signed",
+    "paper_reduction": "reduction by the paper's arithmetic",
+}
+SMALLEST_P = 0.001
 
 
 @dataclass(frozen=True)
@@ -40,11 +61,16 @@ class Table:
 
 
 def heading(column: str) -> str:
-    """``mean_difference_s`` as ``mean difference (s)``."""
+    """``mean_difference_s`` as ``mean difference (s)``, ``p05`` as ``5th percentile``."""
+    if column in HEADINGS:
+        return HEADINGS[column]
+    if percentile := re.fullmatch(r"(.*?)_?p(\d\d)", column):
+        return f"{percentile[1].replace('_', ' ')} {int(percentile[2])}th percentile".strip()
+    words = column.replace("crps", "CRPS").replace("iqr", "IQR")
     for ending, unit in UNITS.items():
         if column.endswith(ending) and len(column) > len(ending):
-            return f"{column.removesuffix(ending).replace('_', ' ')} ({unit})"
-    return column.replace("_", " ")
+            return f"{words.removesuffix(ending).replace('_', ' ')} ({unit})"
+    return words.replace("_", " ")
 
 
 def table_of(frame: pd.DataFrame, name: str, title: str, file: str) -> Table:
@@ -54,7 +80,7 @@ def table_of(frame: pd.DataFrame, name: str, title: str, file: str) -> Table:
     inner = {end for pair in ends.values() for end in pair}
     columns = [column for column in filled if column not in inner]
     rows = tuple(
-        tuple(cell_of(row[column], *(row[end] for end in ends.get(column, ()))) for column in columns)
+        tuple(cell_of(row[column], *(row[end] for end in ends.get(column, ())), probability=_is_p(column)) for column in columns)
         for row in frame.to_dict("records")
     )
     return Table(name, title, file, tuple(heading(c) + (" [95 %]" if c in ends else "") for c in columns), rows)
@@ -65,22 +91,39 @@ def _interval(column: str, columns: Iterable[str]) -> tuple[str, str] | None:
     return (low, high) if {low, high} <= set(columns) else None
 
 
-def cell_of(value: Any, low: Any = None, high: Any = None) -> Cell:
+def _is_p(column: str) -> bool:
+    """``p``, ``shapiro_p``, ``p_walks_holm``; not ``pit_distance`` nor ``p_participants_holm_floor``, which is exact."""
+    return (column == "p" or column.startswith("p_") or column.endswith("_p")) and not column.endswith("_floor")
+
+
+def cell_of(value: Any, low: Any = None, high: Any = None, probability: bool = False) -> Cell:
     """A number with its interval, or a text; nothing where there is no value."""
     if _missing(value):
         return Cell("", "", "text")
     if isinstance(value, bool) or not isinstance(value, int | float):
-        text = ("yes" if value else "no") if isinstance(value, bool) else str(value)
+        text = ("yes" if value else "no") if isinstance(value, bool) else reader_name(str(value))
         return Cell(text, text, "long" if len(text) > LONG_TEXT else "text")
-    return Cell(with_interval(value, low, high), repr(float(value)), "number")
+    return Cell(with_interval(value, low, high, p_text if probability else number_text), repr(float(value)), "number")
 
 
-def with_interval(value: float, low: Any = None, high: Any = None) -> str:
+def reader_name(text: str) -> str:
+    """A name of the files as it is read: ``without_v`` as ``without v``. Sentences, paths and what has capitals stay."""
+    if text in NAMES:
+        return NAMES[text]
+    return text.replace("_", " ") if re.fullmatch(r"[a-z0-9]+(_[a-z0-9]+)+", text) else text
+
+
+def p_text(value: float) -> str:
+    """A p value, of which no more is told than that it is small."""
+    return f"< {SMALLEST_P}" if value < SMALLEST_P else number_text(value)
+
+
+def with_interval(value: Any, low: Any = None, high: Any = None, text_of: Callable[[float], str] = number_text) -> str:
     """``0.15 [0.13, 0.22]``, or the value alone."""
     if _missing(value):
         return ""
-    text = number_text(value)
-    return text if _missing(low) or _missing(high) else f"{text} [{number_text(low)}, {number_text(high)}]"
+    text = text_of(value)
+    return text if _missing(low) or _missing(high) else f"{text} [{text_of(low)}, {text_of(high)}]"
 
 
 def _missing(value: Any) -> bool:

@@ -143,7 +143,7 @@ def test_a_value_and_its_interval_share_a_cell():
         {"model": ["a"], "crps_s": [0.2], "crps_s_low": [0.1], "crps_s_high": [0.3], "empty": [np.nan], "n": [3]}
     )
     table = table_of(frame, "t", "T", "t.csv")
-    assert table.headings == ("model", "crps (s) [95 %]", "n")
+    assert table.headings == ("model", "CRPS (s) [95 %]", "walks")
     assert [cell.text for cell in table.rows[0]] == ["a", "0.2 [0.1, 0.3]", "3"]
     assert [cell.sort for cell in table.rows[0]] == ["a", "0.2", "3.0"]
 
@@ -165,6 +165,18 @@ def test_style_and_script_ship_with_the_package():
     folder = Path(render.__code__.co_filename).parent / "assets"
     assert {"style.css", "maps.js", "report.html"} <= {path.name for path in folder.iterdir()}
     assert not re.search(r"https?://", "".join(path.read_text() for path in folder.rglob("*.*")))
+
+
+def test_names_of_files_are_read_as_words():
+    frame = pd.DataFrame(
+        {"sub_model": ["without_v", "k_nearest_by_participant", "P_Prob"], "p_walks": [0.0, 2e-4, 0.04], "p95": 1.5}
+    )
+    table = table_of(frame, "t", "T", "t.csv")
+    assert table.headings == ("sub model", "p walks", "95th percentile")
+    assert [row[0].text for row in table.rows] == ["without v", "k nearest, participant left out", "P_Prob"]
+    assert [row[1].text for row in table.rows] == ["< 0.001", "< 0.001", "0.04"]
+    assert table.rows[1][1].sort == "0.0002"
+    assert table_of(pd.DataFrame({"pit_distance": [0.0], "power": [0.0]}), "t", "T", "t.csv").rows[0][0].text == "0"
 
 
 def test_the_headline_has_the_interval_of_each_median_and_the_score_of_each_forecast():
