@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from walklab.figures.style import BLUE, DOUBLE_MM, FAINT, ORANGE, letter, model_label, new_figure, require, set_label, styled
 
 LARGEST = 14  # rows a panel can hold legibly
+LONGEST = 30  # letters of a run's name
 
 
 @styled
@@ -22,6 +23,7 @@ def draw_comparison(claims: pd.DataFrame, scores: pd.DataFrame, cost: pd.DataFra
     names : how the two runs are called in the figure
     """
     require(cost, ["stage", "before", "after"], "comparison")
+    names = shortened(names[0]), shortened(names[1])
     figure = new_figure(DOUBLE_MM, 95)
     verdicts, crps, wall = figure.subplots(1, 3, width_ratios=[0.9, 1, 1])
     _cross(verdicts, claims, names)
@@ -41,6 +43,11 @@ def draw_comparison(claims: pd.DataFrame, scores: pd.DataFrame, cost: pd.DataFra
     handles, labels = wall.get_legend_handles_labels()
     figure.legend(handles, labels, loc="outside lower center", ncols=2)
     return figure
+
+
+def shortened(name: str) -> str:
+    """A name that fits beside an axis: of a long one, its end, which tells runs in one folder apart."""
+    return name if len(name) <= LONGEST else f"...{name[3 - LONGEST :]}"
 
 
 def _cross(ax: Axes, claims: pd.DataFrame, names: tuple[str, str]) -> None:
