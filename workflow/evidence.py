@@ -29,6 +29,7 @@ from evidence_forecasts import (
     sharpness,
     split,
     split_pairs,
+    trial_pairs,
 )
 
 ROOT = Path(__file__).parents[1]
@@ -250,6 +251,7 @@ TABLES = {
     "limits": (limits, "steering"),
     "pairs": (pairs, "steering"),
     "split_pairs": (split_pairs, "steering"),
+    "trial_pairs": (trial_pairs, "steering"),
     "realism": (realism, "steering"),
     "realism_findings": (realism_sentences, "steering"),
     "real": (real, "cmu"),

@@ -3,6 +3,7 @@
 import pandas as pd
 
 from walklab.evaluation.forecasts import TIMES_ALONE
+from walklab.evaluation.paired_tests import STATED_EFFECT_S
 from walklab.evaluation.score_tables import information
 from walklab.evaluation.subject_scores import OWN_MAP
 from walklab.report.findings import (
@@ -99,7 +100,10 @@ def split(folder):
 
 def split_pairs(folder):
     """The pairs whose mixed model tells them apart inside the training dependencies, and outside."""
-    table = _tests(folder)
+    return _split_pairs(_tests(folder))
+
+
+def _split_pairs(table):
     told = []
     for hull in ("inside", "outside"):
         part = table[table["hull"] == hull]
@@ -126,7 +130,13 @@ def pairs(folder):
     return pairs_of(_tests(folder))
 
 
-def pairs_of(tests, measure="mean_difference_s"):
+def trial_pairs(folder):
+    """The same of the models' trials, by |dt|, with the walks inside the training dependencies and those outside."""
+    tests = pd.read_csv(folder / "0/compare_forecasts/trial_tests.csv")
+    return f"{pairs_of(tests, error='abs. dt')}\n{_split_pairs(tests)}"
+
+
+def pairs_of(tests, measure="mean_difference_s", error="CRPS"):
     """A table of pairs over all walks with the floor of the exact test, sizes of the tests and what is significant."""
     table = tests.query("hull == 'all'")
     several = len(set(table["scenario"])) > 1
@@ -140,19 +150,26 @@ def pairs_of(tests, measure="mean_difference_s"):
             f"{row['p_participants_holm']:.2g}",
             f"{row['power_are']:.2f}",
             f"{row['power_participants']:.2f}",
+            f"{100 * row['size_mixed']:.1f}",
+            f"{row['power_mixed']:.2f}",
         ]
         for row in table.to_dict("records")
     ]
-    header = [*(["scenario"] if several else []), "first", "second", "CRPS, first - second (s)", "p, mixed model"]
-    text = markdown([*header, "p, participants' means", "power, A.R.E.", "power, participants' means, simulated"], rows)
-    sizes = [f"{100 * table[name].min():.0f} to {100 * table[name].max():.0f} %" for name in ("size_walks", "size_participants")]
+    header = [*(["scenario"] if several else []), "first", "second", f"{error}, first - second (s)", "p, mixed model"]
+    header += ["p, participants' means", "power, A.R.E.", "power, participants' means, simulated"]
+    text = markdown([*header, "size, mixed model (%)", f"power of it at {STATED_EFFECT_S:g} s"], rows)
+    names = ("size_walks", "size_participants", "size_mixed")
+    sizes = [f"{100 * table[name].min():.0f} to {100 * table[name].max():.0f} %" for name in names]
     floor = ", ".join(f"{value:.2g}" for value in sorted(set(table["p_participants_holm_floor"])))
     where, people = " of both scenarios" if several else "", table["participants"].max()
     told = [
         f"p values are after Holm's correction over all {len(table)} pairs{where}. The exact test on the means of {people} people"
         f" cannot go below {floor} after it, even where all of them agree.",
         f"Where there is no effect the paper's test on walks rejects in {sizes[0]} of simulated studies,"
-        f" that on participants' means in {sizes[1]}; {100 * SIGNIFICANT:.0f} % were asked for.",
+        f" that on participants' means in {sizes[1]}, the mixed model in {sizes[2]}; {100 * SIGNIFICANT:.0f} % were asked for.",
+        f"A true difference of {STATED_EFFECT_S:g} s is found by the mixed model, before Holm's correction, with power"
+        f" {table['power_mixed'].min():.2f} to {table['power_mixed'].max():.2f}; at least 0.8 for"
+        f" {int((table['power_mixed'] >= 0.8).sum())} of {len(table)} pairs.",
     ]
     for name, words in (("p_mixed_holm", "the mixed model"), ("p_participants_holm", "participants' means")):
         told.append(f"Significant after Holm by {words}: {_significant(table, name)}.")

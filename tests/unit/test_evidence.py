@@ -92,13 +92,20 @@ def test_significant_pairs_are_told_by_who_is_ahead(told, tmp_path):
     ]
     table = pd.DataFrame(rows, columns=names).assign(mean_difference_s_low=0, mean_difference_s_high=0, power_are=1)
     table = table.assign(power_participants=1, size_walks=[0.2, 0.4, 0.9], size_participants=0.05)
+    table = table.assign(size_mixed=[0.04, 0.06, 0.5], power_mixed=[0.3, 0.9, 0.1])
     table = table.assign(participants=10, p_participants_holm_floor=0.0039)
     (tmp_path / "0/compare_forecasts").mkdir(parents=True)
     table.to_csv(tmp_path / "0/compare_forecasts/tests.csv")
-    *_, floor, sizes, by_mixed, by_people = told.pairs(tmp_path).split("\n")
+    *_, floor, sizes, power, by_mixed, by_people = told.pairs(tmp_path).split("\n")
     assert "over all 2 pairs" in floor
     assert "means of 10 people cannot go below 0.0039 after it" in floor
     assert "rejects in 20 to 40 %" in sizes
+    assert "the mixed model in 4 to 6 %" in sizes
+    assert power.endswith("with power 0.30 to 0.90; at least 0.8 for 1 of 2 pairs.")
+    table.to_csv(tmp_path / "0/compare_forecasts/trial_tests.csv")
+    trials = told.trial_pairs(tmp_path)
+    assert "abs. dt, first - second (s)" in trials
+    assert trials.endswith("nothing.")
     assert by_people.endswith("participants' means: P_Prob (extended) before regression in scenario 1 (0.01).")
     assert by_mixed.endswith("the mixed model: P_Stat with residual spread before P_Prob (literal) in scenario 1 (0.001).")
 

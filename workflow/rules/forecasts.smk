@@ -62,18 +62,35 @@ rule score_forecasts:
         "../scripts/score_forecasts.py"
 
 
+# The trials of the paper's models by |dt|, under the same tests as the forecasts; real walks have no scenarios.
+COMPARED_TRIALS = (
+    {
+        "trials": expand(
+            rules.simulate_trials.output.trials, scenario=SCENARIOS, allow_missing=True
+        )
+    }
+    if SYNTHETIC
+    else {}
+)
+TRIAL_TESTS = (
+    {"trial_tests": stage("compare_forecasts", "trial_tests.csv")} if SYNTHETIC else {}
+)
+
+
 rule compare_forecasts:
     input:
+        **COMPARED_TRIALS,
         # Real walks are no scenario: everybody is left out in turn.
         predictions=(
             rules.score_forecasts if SYNTHETIC else rules.cross_validate
         ).output.predictions,
     output:
+        **TRIAL_TESTS,
         tests=stage("compare_forecasts", "tests.csv"),
     log:
         stage("compare_forecasts", "log.txt"),
     params:
-        **section("seed", "statistics"),
+        **section("seed", "scenarios", "statistics"),
         code=code("compare_forecasts.py"),
     script:
         "../scripts/compare_forecasts.py"

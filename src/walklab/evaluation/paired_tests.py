@@ -33,6 +33,7 @@ from walklab.evaluation.forecasts import (
     STATIC,
 )
 from walklab.evaluation.mixed import intercept_of
+from walklab.evaluation.mixed_power import simulated_mixed_power
 from walklab.evaluation.pairs import paired
 from walklab.evaluation.score_tables import parts
 from walklab.evaluation.signed_rank import ROUNDING_DECIMALS, wilcoxon_power_are
@@ -64,6 +65,7 @@ QUESTIONS = (
     *((baseline, EXTENDED_EARLIER) for baseline in BASELINES_EARLIER),
 )
 SIMULATIONS = 100
+STATED_EFFECT_S = 0.02  # what power_mixed is asked for: not what was found, whose power says no more than its p
 LEAST_PEOPLE = 3  # of a mixed model and of simulated power: two say nothing of the variance between people
 P_VALUES = ("p_walks", "p_participants", "p_mixed")
 
@@ -99,8 +101,9 @@ def pair_table(
     the size of their difference), mean_difference_s (walks), participants_difference_s (every participant once), dz and
     rank_biserial, each with _low and _high, participants_better (for whom the second is); p_walks (the paper's test),
     p_participants (exact, on their means), mixed_s with _low, _high and p_mixed; p_<...>_holm; p_participants_holm_floor;
-    power_are and, simulated, power_walks, power_participants, size_walks, size_participants. The mixed model and what is
-    simulated are missing where fewer than :data:`LEAST_PEOPLE` people have walks.
+    power_are and, simulated, power_walks, power_participants, size_walks, size_participants, size_mixed and power_mixed, the
+    last at :data:`STATED_EFFECT_S`. The mixed model and what is simulated are missing where fewer than :data:`LEAST_PEOPLE`
+    people have walks.
     """
     found, answers = [], {}
     for (scenario, hull), part in parts(rows):
@@ -164,6 +167,9 @@ def _tested(table: pd.DataFrame, rng: np.random.Generator, resamples: int, alpha
     for name, assumed in (("power", difference.mean()), ("size", 0.0)):
         shares = simulated_power(difference, codes, assumed, rng, alpha) if whole else (np.nan, np.nan)
         row[f"{name}_walks"], row[f"{name}_participants"] = shares
+    own = rng.spawn(1)[0]  # the draws of everything else stay what they are
+    for name, assumed in (("size_mixed", 0.0), ("power_mixed", STATED_EFFECT_S)):
+        row[name] = simulated_mixed_power(difference, codes, assumed, own, alpha) if whole else np.nan
     return row
 
 

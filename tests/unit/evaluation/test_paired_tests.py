@@ -115,3 +115,18 @@ def test_the_questions_hold_every_baseline_against_both_learned_models() -> None
     regressions = {forecasts.REGRESSION_EARLIER, forecasts.LOG_REGRESSION_EARLIER, forecasts.QUADRATIC_REGRESSION_EARLIER}
     assert asked >= {(name, forecasts.EXTENDED_EARLIER) for name in regressions}
     assert questions({"P_Stat"}) == []
+
+
+def test_trials_are_tested_by_their_error_with_holm_and_the_split() -> None:
+    rows = two_models([f"p{number % 6}" for number in range(60)], "one", 5).rename(columns={"crps_s": "abs_dt_s"})
+    rows["inside_hull"] = rows["walk"].str[-1].astype(int) > 3
+    rows = pd.concat([rows, rows.assign(scenario="two", abs_dt_s=rows["abs_dt_s"] ** 2)])
+    pair = [("regression", "P_Prob (extended)")]
+    table = pair_table(rows, np.random.default_rng(0), pair, "abs_dt_s", resamples=100)
+    assert set(zip(table["scenario"], table["hull"], strict=True)) == {
+        (name, hull) for name in ("one", "two") for hull in ("all", "inside", "outside")
+    }
+    for _, same in table.groupby("hull"):
+        np.testing.assert_allclose(same["p_mixed_holm"], holm(same["p_mixed"].to_numpy()))
+    assert table["size_mixed"].between(0.0, 0.12).all()
+    assert (table["power_mixed"] >= table["size_mixed"]).all()
