@@ -79,11 +79,13 @@ def table_of(frame: pd.DataFrame, name: str, title: str, file: str) -> Table:
     ends = {column: found for column in filled if (found := _interval(column, filled))}
     inner = {end for pair in ends.values() for end in pair}
     columns = [column for column in filled if column not in inner]
-    rows = tuple(
-        tuple(cell_of(row[column], *(row[end] for end in ends.get(column, ())), probability=_is_p(column)) for column in columns)
-        for row in frame.to_dict("records")
-    )
+    rows = tuple(tuple(_cell(row, column, ends.get(column)) for column in columns) for row in frame.to_dict("records"))
     return Table(name, title, file, tuple(heading(c) + (" [95 %]" if c in ends else "") for c in columns), rows)
+
+
+def _cell(row: Mapping[Any, Any], column: str, ends: tuple[str, str] | None) -> Cell:
+    low, high = (row[ends[0]], row[ends[1]]) if ends else (None, None)
+    return cell_of(row[column], low, high, _is_p(column))
 
 
 def _interval(column: str, columns: Iterable[str]) -> tuple[str, str] | None:
