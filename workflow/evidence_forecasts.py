@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from walklab.evaluation.forecasts import TIMES_ALONE
+from walklab.evaluation.forecasts import GAUSSIAN_PROCESS, QUADRATIC_REGRESSION, TIMES_ALONE
 from walklab.evaluation.paired_tests import STATED_EFFECT_S
 from walklab.evaluation.score_tables import information
 from walklab.evaluation.subject_scores import OWN_MAP
@@ -287,14 +287,42 @@ def _replicated_trajectories(part, words):
     return [text]
 
 
+def replicated_leans(folder):
+    """Bias and coverage of the learned models and of what is fitted, over populations: do they lean, are they too wide?"""
+    pooled = pd.read_csv(folder / "scores.csv").query("hull == 'all' and measure == 'bias_s'").set_index(["model", "scenario"])
+    scenarios, rows = list(dict.fromkeys(pooled.index.get_level_values("scenario"))), []
+    for model in (CALIBRATED, EXTENDED, QUADRATIC_REGRESSION, GAUSSIAN_PROCESS):
+        biases = ["{value:+.3f} [{low:+.3f}, {high:+.3f}]".format(**pooled.loc[(model, scenario)]) for scenario in scenarios]
+        held = [_shares(folder, scenario, model) for scenario in scenarios]
+        rows.append([model, *biases, *(_counted(shares) for shares in held)])
+    names = [scenario.replace("_", " ") for scenario in scenarios]
+    goal = f"{100 * GOAL_LOW:.0f} / {100 * GOAL_LOW:.0f} to {100 * GOAL_HIGH:.0f} / above {100 * GOAL_HIGH:.0f} %"
+    header = [f"mean forecast minus captured time, {name} (s)" for name in names]
+    header += [f"90 % interval holds, {name} (%; populations below {goal})" for name in names]
+    return markdown(["over populations", *header], rows)
+
+
+def _counted(shares):
+    below, above = sum(share < GOAL_LOW for share in shares), sum(share > GOAL_HIGH for share in shares)
+    return f"{100 * sum(shares) / len(shares):.1f} ({below} / {_inside(shares)} / {above})"
+
+
+def _inside(shares):
+    return sum(GOAL_LOW <= share <= GOAL_HIGH for share in shares)
+
+
+def _shares(folder, scenario, model):
+    """Share of the walks that the 90 % interval of a forecast holds in each population."""
+    tables = [pd.read_csv(path) for path in sorted(folder.glob("[0-9]*/score_forecasts/scores.csv"))]
+    asked = [table[(table["hull"] == "all") & (table["scenario"] == scenario) & (table["model"] == model)] for table in tables]
+    return [share for table in asked for share in table["coverage_90"]]
+
+
 def _held_goal(folder, scenario):
-    shares = []
-    for path in sorted(folder.glob("[0-9]*/score_forecasts/scores.csv")):
-        each = pd.read_csv(path)
-        shares += list(each.query("hull == 'all' and scenario == @scenario and model == @CALIBRATED")["coverage_90"])
+    shares = _shares(folder, scenario, CALIBRATED)
     if not shares:
         return ""
-    held = sum(GOAL_LOW <= share <= GOAL_HIGH for share in shares)
+    held = _inside(shares)
     goal = f"{100 * GOAL_LOW:.0f} to {100 * GOAL_HIGH:.0f} %"
     return f" The 90 % interval of {CALIBRATED} held {goal} of the walks in {held} of {len(shares)} populations."
 

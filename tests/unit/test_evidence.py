@@ -52,6 +52,18 @@ def test_populations_name_the_best_baseline_and_count_who_kept_the_goal(told, tm
     assert second.endswith("P_Prob (extended) wins: -0.0104 m [-0.0204, -0.0004], less in 3 of 3 populations.")
 
 
+def test_populations_tell_who_leans_and_whose_intervals_are_too_wide(told, tmp_path):
+    models = ("P_Prob (calibrated)", "P_Prob (extended)", "quadratic log regression", "Gaussian process")
+    pd.DataFrame([pooled("bias_s", model, -0.1) for model in models]).to_csv(tmp_path / "scores.csv")
+    for number, share in enumerate((0.85, 0.90, 0.95, 0.96)):
+        folder = tmp_path / str(number) / "score_forecasts"
+        folder.mkdir(parents=True)
+        rows = [{"scenario": "scenario_1", "hull": "all", "model": model, "coverage_90": share} for model in models]
+        pd.DataFrame(rows).to_csv(folder / "scores.csv")
+    row = told.replicated_leans(tmp_path).split("\n")[2]
+    assert row == "| P_Prob (calibrated) | -0.100 [-0.110, -0.090] | 91.5 (1 / 1 / 2) |"
+
+
 def test_the_multiverse_counts_what_holds_everywhere(told, tmp_path):
     names = ["claim", "statement", "specifications", "held", "held_share", "default", "smallest", "largest"]
     rows = [
