@@ -7,10 +7,11 @@ import pandas as pd
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from walklab.figures.style import BLUE, DOUBLE_MM, FAINT, ORANGE, letter, model_label, new_figure, require, set_label, styled
+from walklab.figures.style import DOUBLE_MM, FAINT, SET_COLOURS, letter, model_label, new_figure, require, set_label, styled
 
 LARGEST = 14  # rows a panel can hold legibly
 LONGEST = 30  # letters of a run's name
+BEFORE, AFTER = SET_COLOURS[:2]  # of runs: no model's colour
 
 
 @styled
@@ -75,8 +76,8 @@ def _dumbbells(
         return
     rows = table.head(LARGEST).iloc[::-1].reset_index(drop=True)
     ax.hlines(rows.index, rows["before"], rows["after"], color=FAINT, lw=1.5)
-    ax.plot(rows["before"], rows.index, "o", color=ORANGE, label=f"before: {names[0]}")
-    ax.plot(rows["after"], rows.index, "o", color=BLUE, mfc="white", label=f"after: {names[1]}")
+    ax.plot(rows["before"], rows.index, "o", color=BEFORE, label=f"before: {names[0]}")
+    ax.plot(rows["after"], rows.index, "o", color=AFTER, mfc="white", label=f"after: {names[1]}")
     ax.set_yticks(rows.index, rows["label"])
     ax.set_xlim(left=0)
     ax.set_xlabel(label)

@@ -14,11 +14,10 @@ from walklab.figures.style import (
     BLACK,
     DOUBLE_MM,
     FAINT,
-    GREEN,
     MODEL_COLOURS,
-    ORANGE,
     OTHER_MODEL,
     SKY,
+    VERMILLION,
     letter,
     model_label,
     new_figure,
@@ -27,15 +26,16 @@ from walklab.figures.style import (
     symbol,
 )
 
-# Model -> colour and line; what is no reading of the maps is grey or black.
+GREY = "#555555"
+# Model -> colour and line, never another model's colour; what is no reading of the maps is grey.
 LINES: dict[str, tuple[str, str]] = {
     "uniform": (FAINT, "-"),
     "P_Prob (literal)": (MODEL_COLOURS["P_Prob"], "-"),
     "P_Prob (one exponent by the scores)": (OTHER_MODEL, "-"),
     "P_Prob (exponent nearest to the truth)": (SKY, "--"),
-    "P_Prob, sharpened before blending": (ORANGE, "-"),
-    "true parameters of the neighbours": (GREEN, ":"),
-    "perfect sample": (BLACK, ":"),
+    "P_Prob, sharpened before blending": (VERMILLION, "-"),
+    "true parameters of the neighbours": (GREY, ":"),
+    "perfect sample": (GREY, "-."),
 }
 DRAWN = ("P_Prob (literal)", "P_Prob (one exponent by the scores)", "P_Prob, sharpened before blending")
 # Model -> title of its panel, which has no room for the whole name.

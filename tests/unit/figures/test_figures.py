@@ -107,6 +107,11 @@ def test_a_comparison_of_runs_shows_what_moved_and_cuts_nothing_off(monkeypatch:
     figure = comparison.draw_comparison(verdicts, scores, cost, names)
     nothing_is_cut_off(figure, monkeypatch)
     assert [text.get_text() for text in figure.axes[1].get_yticklabels()] == ["regression scenario 1"]
+    long = comparison.draw_comparison(verdicts, scores, cost, tuple(f"results/{'long_' * 20}{name}" for name in names))
+    nothing_is_cut_off(long, monkeypatch)
+    dots = {str(line.get_color()) for ax in figure.axes[1:] for line in ax.get_lines()}
+    assert len(dots) == 2
+    assert not dots & set(MODEL_COLOURS.values())
     still = comparison.draw_comparison(verdicts, scores.iloc[:1], cost, names)
     assert [text.get_text() for text in still.axes[1].texts] == ["no forecast moved"]
 
@@ -138,6 +143,10 @@ def test_every_model_has_its_colour_in_every_figure() -> None:
     used["P_Prob (calibrated)"] |= {to_hex(row.get_color()).upper() for row in rows if 0.5 < row.get_ydata()[0] < 1.5}
     used["P_Prob (extended)"].add(str(colour("P_Prob (extended), earlier walks")).upper())  # a variant has its model's
     assert used == {name: {hue} for name, hue in MODEL_COLOURS.items()}
+
+
+def test_in_the_recovery_only_the_model_itself_has_a_models_colour() -> None:
+    assert {name for name, (hue, _) in recovery.LINES.items() if hue in MODEL_COLOURS.values()} == {"P_Prob (literal)"}
 
 
 def test_published_markers_stand_at_the_values_passed_in() -> None:
