@@ -62,7 +62,14 @@ class DrawnWalks:
         """Travel times (s) that a share ``levels`` of the variants does not exceed; inf where too few end in time.
 
         Walks that missed the end or went through an obstacle count like the others; see :attr:`missed` and :attr:`collided`.
+
+        Raises
+        ------
+        InputError
+            If a level is not between 0 and 1.
         """
+        if not all(0 <= level <= 1 for level in levels):
+            raise InputError(f"quantiles: levels {list(levels)} must lie between 0 and 1")
         return np.quantile(self.travel_times_s, levels, method="inverted_cdf")
 
     def table(self) -> pd.DataFrame:

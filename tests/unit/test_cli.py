@@ -64,23 +64,23 @@ def test_fitting_without_a_column_of_times(model, tmp_path):
     run("fit", tmp_path / "w.csv", "-o", tmp_path / "m", *COLUMNS, "--rate-hz", 1 / step_s)
     rated, timed = ProbabilisticModel.load(tmp_path / "m"), ProbabilisticModel.load(model)
     assert rated.blending.vectors == pytest.approx(timed.blending.vectors, rel=1e-6)
-    assert (timed.blending.vectors[:, 1] == 0).all(), "straight paths have no curvature, not one of 1e-17"
+    assert timed.dependencies == ("length", "height"), "all planned paths are straight, so that curvature tells nothing"
     assert "column time_s" in complaint("fit", tmp_path / "w.csv", "-o", tmp_path / "m", *COLUMNS)
 
 
 def test_sampling_prints_a_table_with_units(model):
-    asked = ["--length", 2.5, "--curvature", 0, "--height", 1.75, "--size", 3]
+    asked = ["--length", 2.5, "--height", 1.75, "--size", 3]
     lines = run("sample", model, *asked, "--seed", 1).stdout.splitlines()
     assert lines[0] == "v (m/s),a (m/s²),omega (1/m)"
     values = np.array([[float(cell) for cell in line.split(",")] for line in lines[1:]])
-    expected = ProbabilisticModel.load(model).sample([2.5, 0, 1.75], 3, np.random.default_rng(1))
+    expected = ProbabilisticModel.load(model).sample([2.5, 1.75], 3, np.random.default_rng(1))
     assert values == pytest.approx(expected, rel=1e-5)
     assert run("sample", model, *asked, "--seed", 1).stdout.splitlines() == lines
     assert run("sample", model, *asked).stdout.splitlines() != lines
 
 
 def test_a_walk_outside_the_training_range_is_told_on_stderr(model):
-    result = run("sample", model, "--length", 9, "--curvature", 0, "--height", 1.75)
+    result = run("sample", model, "--length", 9, "--height", 1.75)
     assert len(result.stdout.splitlines()) == 2
     assert result.stderr.count("\n") == 1
     assert "length 9 m (trained" in result.stderr
@@ -115,7 +115,7 @@ def test_inspecting_names_everything(model):
 
 
 def test_bad_input_is_one_line_and_exit_code_2(model, tmp_path):
-    assert "height (m) is missing" in complaint("sample", model, "--length", 2, "--curvature", 0)
+    assert "height (m) is missing" in complaint("sample", model, "--length", 2)
     assert "nothing.safetensors" in complaint("inspect", tmp_path / "nothing.safetensors")
     (tmp_path / "torn").write_bytes(model.read_bytes()[:1000])
     assert "not a walklab model file" in complaint("sample", tmp_path / "torn", "--length", 2)
@@ -145,4 +145,4 @@ def test_the_module_runs_as_a_program(model):
     command = [sys.executable, "-m", "walklab.cli.app", "sample", str(model), "--length", "2"]
     ended = subprocess.run(command, capture_output=True, text=True, env={**os.environ})
     assert ended.returncode == BAD_INPUT
-    assert ended.stderr == "walklab: dependency curvature (1/m) is missing; this model needs length, curvature, height\n"
+    assert ended.stderr == "walklab: dependency height (m) is missing; this model needs length, height\n"

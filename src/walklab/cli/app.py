@@ -76,7 +76,8 @@ def fit(
     columns = OwnColumns(participant, walk or None, time_column, x, y, height)
     settings = TrainingSettings(count=entries, basis=basis, k=neighbours, exponent=exponent)  # type: ignore[arg-type]
     units = {"length_unit": length_unit, "height_unit": height_unit, "time_unit": time_unit}
-    model = fit_walks(walks, columns, settings=settings, rate_hz=rate_hz, **units)  # type: ignore[arg-type]
+    learned = ("length", "height")
+    model = fit_walks(walks, columns, settings=settings, rate_hz=rate_hz, dependencies=learned, **units)  # type: ignore[arg-type]
     model.save(output)
     typer.echo(f"{output}: {model.provenance['walks']} walks of {model.provenance['participants']} people")
 

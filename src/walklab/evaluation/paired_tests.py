@@ -168,8 +168,8 @@ def _tested(table: pd.DataFrame, rng: np.random.Generator, resamples: int, alpha
         shares = simulated_power(difference, codes, assumed, rng, alpha) if whole else (np.nan, np.nan)
         row[f"{name}_walks"], row[f"{name}_participants"] = shares
     own = rng.spawn(1)[0]  # the draws of everything else stay what they are
-    for name, assumed in (("size_mixed", 0.0), ("power_mixed", STATED_EFFECT_S)):
-        row[name] = simulated_mixed_power(difference, codes, assumed, own, alpha) if whole else np.nan
+    shares = simulated_mixed_power(difference, codes, STATED_EFFECT_S, own, alpha) if whole else (np.nan, np.nan)
+    row["size_mixed"], row["power_mixed"] = shares
     return row
 
 

@@ -31,6 +31,7 @@ from walklab.steering.weighting import Weighting
 Array = NDArray[np.float64]
 Generators = Sequence[np.random.Generator]
 
+ROUNDING = 1e-9  # of a parameter, in its unit: what a number may lose on its way
 SHARPEST = 1e6  # exponent; beyond it the rounding of the map decides where the draws go
 
 
@@ -176,10 +177,25 @@ class ProbabilisticModel:
         )
 
     def density(self, vector: ArrayLike, points: ArrayLike) -> Array:
-        """``max(f, 0)^exponent`` at (L, P) parameter vectors, (L,); proportional to the sampling density."""
-        steps = self.space.to_unit(np.atleast_2d(np.asarray(points, dtype=float)))
-        surface = self.interpolant.evaluate(self.blended_coefficients(vector)[0], steps)
-        return np.maximum(surface, 0.0) ** self.exponent
+        """``max(f, 0)^exponent`` at (L, P) parameter vectors, (L,); proportional to the sampling density.
+
+        It is 0 outside of the parameter space and where a held parameter has another value: nothing is drawn there.
+
+        Raises
+        ------
+        InputError
+            If a point has another number of parameters or is no number, or there is more than one dependency vector.
+        """
+        asked = np.atleast_2d(np.asarray(points, dtype=float))
+        if asked.shape[1] != len(self.names) or not np.isfinite(asked).all():
+            raise InputError(f"density: each point needs finite numbers for {', '.join(self.names)}")
+        surfaces = self.blended_coefficients(vector)
+        if len(surfaces) != 1:
+            raise InputError(f"density: {len(surfaces)} dependency vectors were given; ask for one at a time")
+        low, high = self.box.T
+        drawn = ((asked >= low - ROUNDING) & (asked <= high + ROUNDING)).all(axis=1)
+        surface = self.interpolant.evaluate(surfaces[0], self.space.to_unit(asked))
+        return np.where(drawn, np.maximum(surface, 0.0) ** self.exponent, 0.0)
 
     def marginal(self, vector: ArrayLike, *names: str, points_per_step: int = 4) -> Marginal:
         """Density of one or two parameters, the others integrated out; see :func:`walklab.steering.marginals.marginal`."""
@@ -317,7 +333,7 @@ class ProbabilisticModel:
 
     def inside(self, vectors: ArrayLike) -> NDArray[np.bool_]:
         """Whether each dependency vector lies in the domain of validity, (W,)."""
-        return self.domain.inside(vectors)
+        return self.domain.contains(self.blending.shaped(vectors))
 
     def _asked(self, vectors: ArrayLike) -> Array:
         """(W, D) vectors, checked; warns if some are outside of the domain, as seen by who called the caller."""

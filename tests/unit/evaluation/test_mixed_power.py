@@ -8,7 +8,7 @@ import pytest
 from scipy import stats
 
 from walklab.evaluation.mixed import intercept_of
-from walklab.evaluation.mixed_power import mixed_p, simulated_mixed_power
+from walklab.evaluation.mixed_power import estimated, p_of, simulated_mixed_power
 
 
 @pytest.mark.parametrize("person_sd", [0.0, 0.3, 2.0])
@@ -20,12 +20,12 @@ def test_p_is_that_of_statsmodels(person_sd: float, sizes: tuple[int, ...]) -> N
     means = np.stack([np.bincount(codes, row) / np.bincount(codes) for row in data])
     squares = ((data - means[:, codes]) ** 2).sum(axis=1)
     expected = [intercept_of(pd.DataFrame({"participant": codes.astype(str), "error": row}))["p"] for row in data]
-    np.testing.assert_allclose(mixed_p(means, squares, np.array(sizes, dtype=float)), expected, rtol=5e-3)
+    np.testing.assert_allclose(p_of(*estimated(means, squares, np.array(sizes, dtype=float)), len(sizes)), expected, rtol=5e-3)
 
 
 def test_of_equally_many_walks_it_is_the_t_test_of_the_means() -> None:
     means = np.random.default_rng(1).normal(0.3, 1, (50, 6))
-    found = mixed_p(means, np.full(50, 6.0), np.full(6, 20.0))  # the means vary far more than their walks explain
+    found = p_of(*estimated(means, np.full(50, 6.0), np.full(6, 20.0)), 6)  # the means vary far more than their walks explain
     np.testing.assert_allclose(found, stats.ttest_1samp(means, 0, axis=1).pvalue, rtol=1e-5)
 
 
@@ -35,8 +35,9 @@ def test_size_is_alpha_and_power_that_of_the_t_test() -> None:
     spread = stats.norm.ppf((np.arange(people) + 0.5) / people)
     spread /= spread.std(ddof=1)
     difference = spread[codes] + np.tile(np.linspace(-0.1, 0.1, 40), people)
-    assert simulated_mixed_power(difference, codes, 0.0, rng, 0.05, 8000) == pytest.approx(0.05, abs=0.01)
+    found = simulated_mixed_power(difference, codes, 1.0, rng, 0.05, 8000)
+    assert found[0] == pytest.approx(0.05, abs=0.01)
     noncentral = stats.nct(people - 1, np.sqrt(people))
     reach = stats.t.ppf(0.975, people - 1)
     power = noncentral.sf(reach) + noncentral.cdf(-reach)
-    assert simulated_mixed_power(difference, codes, 1.0, rng, 0.05, 8000) == pytest.approx(power, abs=0.02)
+    assert found[1] == pytest.approx(power, abs=0.02)

@@ -179,3 +179,29 @@ def test_any_number_of_parameters(axes):
     assert np.all((samples >= low) & (samples <= high))
     assert model.density([0.5, 0.5], modes)[0] >= model.density([0.5, 0.5], samples).max()
     assert all(np.unique(column).size == 200 for column in samples.T)
+
+
+def test_where_nothing_is_drawn_the_density_is_zero(model):
+    low, high = model.space.bounds.T
+    inside, outside = (low + high) / 2, high + np.array([0.1, 0.0])
+    held = dataclasses.replace(model, fixed={"v": float(inside[0])})
+    assert model.density(ASKED[0], [inside, high, outside, low - 0.1]) == pytest.approx(
+        [*model.density(ASKED[0], [inside, high]), 0.0, 0.0]
+    )
+    assert model.density(ASKED[0], inside)[0] > 0
+    assert held.density(ASKED[0], [inside, inside + np.array([0.2, 0.0])])[1] == 0.0
+    assert held.density(ASKED[0], inside)[0] == model.density(ASKED[0], inside)[0]
+
+
+@pytest.mark.parametrize(
+    ("vector", "point"), [(ASKED[0], [1.0]), (ASKED[0], [1.0, np.nan]), (ASKED[0], [1.0, 1.0, 1.0]), (ASKED, [1.0, 1.0])]
+)
+def test_a_density_of_something_else_is_refused(model, vector, point):
+    with pytest.raises(InputError, match="density: "):
+        model.density(vector, point)
+
+
+@pytest.mark.parametrize("vector", [[2.5], [2.5, 1.78, 9.0]])
+def test_the_domain_is_asked_with_all_dependencies_and_no_more(model, vector):
+    with pytest.raises(InputError, match="needed are"):
+        model.inside(vector)
