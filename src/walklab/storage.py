@@ -91,7 +91,7 @@ def read_json(path: str | Path) -> Any:
     """Read a JSON file."""
     try:
         return json.loads(Path(path).read_text())
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError, RecursionError) as error:
         raise InputError(f"{path}: not a readable JSON file ({error}); write it again") from error
 
 

@@ -11,7 +11,7 @@ import pytest
 from typer.testing import CliRunner
 
 from walklab.cli.app import app
-from walklab.cli.errors import BAD_INPUT
+from walklab.cli.errors import BAD_INPUT, printable
 from walklab.steering.models import ProbabilisticModel
 
 ROOT = Path(__file__).parents[2]
@@ -139,6 +139,31 @@ def test_a_negative_seed_is_refused(command, model):
     result = run(*command, model, "--seed", -1, code=2)
     assert "--seed" in result.stderr
     assert "Traceback" not in result.output
+
+
+OTHERS = ["--height", 1.7]
+HOSTILE = {
+    "a length whose square overflows": (["sample", "MODEL", "--length", "1e300", *OTHERS], "up to 1e+12"),
+    "more draws than memory": (["sample", "MODEL", "--length", 2, *OTHERS, "--size", 10**14], "not enough memory"),
+    "a start beyond whole numbers": (["simulate", "SCENE", "-m", "MODEL", "--from", "1e300,0", "--to", "3,0"], "too far away"),
+    "a scene that is no text": (["simulate", "BINARY", "-m", "MODEL", "--from", "0,0", "--to", "3,0"], "UTF-8"),
+    "a record nested without end": (["compare", "NESTED", "NESTED"], "not a readable JSON file"),
+}
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_hostile_input_is_one_line(name, model, tmp_path):
+    command, told = HOSTILE[name]
+    (tmp_path / "binary.yaml").write_bytes(b"\x96\xff\x00")
+    (tmp_path / "run.json").write_text("[" * 100_000)
+    files = {"MODEL": model, "SCENE": SCENE, "BINARY": tmp_path / "binary.yaml", "NESTED": tmp_path}
+    result = run(*(files.get(part, part) for part in command), code=BAD_INPUT)
+    assert told in result.stderr
+    assert len(result.stderr.strip().splitlines()) == 1
+
+
+def test_control_characters_are_written_out():
+    assert printable("a\x1b]0;t\x07\nb") == "a\\x1b]0;t\\x07\nb"
 
 
 def test_the_module_runs_as_a_program(model):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from walklab.cli.errors import plain_errors
+from walklab.cli.errors import plain_errors, printable
 from walklab.errors import InputError
 
 if TYPE_CHECKING:
@@ -38,7 +38,7 @@ def compare(
     if output is not None and output.suffix.lower() != ".png":
         raise InputError(f"{output}: the comparison is drawn as PNG; give a name that ends in .png")
     found = compared(read_record(before), read_record(after))
-    typer.echo(f"before: {before} (run {found.names[0]})\nafter:  {after} (run {found.names[1]})")
+    typer.echo(printable(f"before: {before} (run {found.names[0]})\nafter:  {after} (run {found.names[1]})"))
     rows = None if all_rows else 12
     moved = found.scores[found.scores["difference"] != 0].dropna(subset="difference")
     moved = moved.reindex(moved["difference"].abs().sort_values(ascending=False, kind="stable").index)
@@ -118,6 +118,6 @@ def _show(title: str, table: pd.DataFrame, rows: int | None, changed: bool = Tru
         return
     typer.echo(f"\n{title}: {f'{len(table)} changed' if changed else f'{len(table)} stages'}")
     shown = table if rows is None else table.head(rows)
-    typer.echo(shown.to_string(index=False, float_format=lambda value: f"{value:.4g}", max_colwidth=60))
+    typer.echo(printable(shown.to_string(index=False, float_format=lambda value: f"{value:.4g}", max_colwidth=60)))
     if len(shown) < len(table):
         typer.echo(f"... and {len(table) - len(shown)} more (--all)")

@@ -57,6 +57,8 @@ def load_plan(path: str | Path) -> Plan:
         described = yaml.safe_load(source.read_text())
     except OSError as error:
         raise InputError(f"{source}: no such plan view; put it under config/scenes/") from error
+    except UnicodeDecodeError as error:
+        raise InputError(f"{source}: not a text file in UTF-8; give a plan view in YAML") from error
     except yaml.YAMLError as error:
         raise InputError(f"{source}: not valid YAML ({str(error).splitlines()[0]})") from error
     if not isinstance(described, dict):

@@ -27,6 +27,7 @@ Array = NDArray[np.float64]
 
 CLEARANCE_LIMIT_M = 0.5  # clearances are known up to here; it only limits the steps of a line of sight
 EXTENT_SLACK_M = 1.0  # a grid that must grow grows by this much more, so that it rarely grows again
+FARTHEST_CELL = 1e15  # beyond it, sizes of grids would no longer fit in whole numbers
 LARGEST_GRID = 40_000_000  # vertices; 12 bytes each while a route is searched
 
 
@@ -151,9 +152,18 @@ def search_window(scene: Scene, radius_m: float, cell_m: float, points_m: Iterab
 
     A shortest path stays within the convex hull of its ends and the grown obstacles. The window
     depends on nothing else, so that a route does not depend on which routes were asked for before.
+
+    Raises
+    ------
+    InputError
+        If a coordinate is too far away for whole numbers.
     """
     grown = (-radius_m, -radius_m, radius_m, radius_m)
     boxes = [np.add(shape.bounds, grown) for shape in scene.obstacles.values()] + [np.array([x, y, x, y]) for x, y in points_m]
+    if not np.max(np.abs(boxes)) / cell_m <= FARTHEST_CELL:
+        raise InputError(
+            f"scene {scene.name}: a coordinate of {np.max(np.abs(boxes)):g} m is too far away; check the coordinates"
+        )
     low = np.floor(np.min(boxes, axis=0)[:2] / cell_m).astype(int) - 3
     high = np.ceil(np.max(boxes, axis=0)[2:] / cell_m).astype(int) + 3
     return int(low[0]), int(low[1]), int(high[0]), int(high[1])

@@ -16,6 +16,9 @@ Array = NDArray[np.float64]
 NON_NEGATIVE = ("length", "curvature", "height", "start_speed")
 
 
+LARGEST = 1e12  # of a dependency, far beyond any walk; squares of what is much larger overflow in the neighbour search
+
+
 def as_numbers(vectors: ArrayLike, names: Sequence[str]) -> Array:
     """Dependencies as an array of numbers; InputError if one is something else."""
     try:
@@ -26,9 +29,11 @@ def as_numbers(vectors: ArrayLike, names: Sequence[str]) -> Array:
 
 def check_values(vectors: Array, names: Sequence[str]) -> None:
     """InputError if a value of (W, D) dependency vectors is not finite, or negative where that means nothing."""
-    if not np.isfinite(vectors).all():
-        row, column = np.argwhere(~np.isfinite(vectors))[0]
-        raise InputError(f"dependency vectors: row {row}, {names[column]} is {vectors[row, column]}; give a finite number")
+    if not (np.abs(vectors) <= LARGEST).all():
+        row, column = np.argwhere(~(np.abs(vectors) <= LARGEST))[0]
+        raise InputError(
+            f"dependency vectors: row {row}, {names[column]} is {vectors[row, column]}; give a finite number up to {LARGEST:g}"
+        )
     for column, name in enumerate(names):
         if name in NON_NEGATIVE and (negative := np.flatnonzero(vectors[:, column] < 0)).size:
             row = negative[0]

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from walklab.errors import InputError
+from walklab.steering.arguments import LARGEST
 from walklab.steering.blending_space import MAP_RANGE, BlendingSpace
 from walklab.steering.domain import DomainOfValidity
 from walklab.steering.interpolation import GridInterpolant, Interpolant, interpolant_named
@@ -145,14 +146,19 @@ def _assemble(tensors: dict[str, np.ndarray], header: dict[str, Any], check_all:
             raise ValueError(f"tensor {name} holds numbers of type {tensors[name].dtype}")
         if check_all or name not in LARGE:
             _require_finite(name, tensors[name])
-    if not 0.0 < header["rung"] < np.inf:
+    if not 0.0 < header["rung"] <= LARGEST:
         raise ValueError(f"rung = {header['rung']} is no unit of bounds")
     _require_entries(tensors["parents"])
     if check_all:
         _require_possible(tensors, coefficients)
     scaling = Scaling(np.array([d["offset"] for d in named], dtype=float), np.array([d["scale"] for d in named], dtype=float))
-    if not np.isfinite(scaling.offset).all() or not (scaling.scale > 0.0).all():
-        raise ValueError("offset or scale of a dependency is not finite, or scale is not above 0")
+    if not (np.abs(scaling.offset) <= LARGEST).all() or not ((scaling.scale >= 1 / LARGEST) & (scaling.scale <= LARGEST)).all():
+        raise ValueError(f"offset or scale of a dependency is not finite or beyond {LARGEST:g}, or scale is not above 0")
+    if not (np.abs(tensors["vectors"]) <= LARGEST).all():
+        raise ValueError(f"tensor vectors holds a dependency beyond {LARGEST:g}")
+    names = [d["name"] for d in named]
+    if not all(isinstance(d[key], str) for d in named for key in ("name", "unit")) or len(set(names)) < len(names):
+        raise ValueError("names and units of dependencies are no text, or a name is there twice")
     blending = BlendingSpace(
         tuple(d["name"] for d in named),
         tuple(d["unit"] for d in named),
@@ -207,7 +213,9 @@ def _require_entries(parents: np.ndarray) -> None:
 
 
 def _require_possible(tensors: dict[str, np.ndarray], coefficients: np.ndarray) -> None:
-    """Maps lie between 0 and 1, and every map is positive somewhere, as are its bounds."""
+    """Maps lie between 0 and 1 and are positive somewhere, as are bounds; weights, some below 0, add up to 1."""
+    if not np.allclose(tensors["parent_weights"].sum(axis=1), 1.0, atol=1e-4):
+        raise ValueError("tensor parent_weights holds weights that do not add up to 1")
     if tensors["maps"].min() < MAP_RANGE[0] or tensors["maps"].max() > MAP_RANGE[1]:
         raise ValueError(f"tensor maps holds values outside of {MAP_RANGE[0]:g} to {MAP_RANGE[1]:g}")
     for name, values in (("maps", tensors["maps"]), ("coefficients", coefficients), ("rungs", tensors["rungs"])):

@@ -107,3 +107,13 @@ def test_another_kind_of_picture_is_refused_before_anything_is_read(tmp_path):
     result = CliRunner().invoke(app, ["compare", "nowhere", "nowhere", "-o", str(tmp_path / "x.txt")])
     assert result.exit_code == BAD_INPUT
     assert "give a name that ends in .png" in result.stderr
+
+
+def test_a_record_cannot_command_the_terminal(run, other):
+    path = run / "run.json"
+    record = json.loads(path.read_text())
+    path.write_text(json.dumps(record | {"run": "a\x1b]0;t\x07", "config": {"\x1b]0;t\x07": 1}}))
+    told = CliRunner().invoke(app, ["compare", str(run), str(other)], color=True)
+    assert told.exit_code == 0
+    assert "\x1b" not in told.output
+    assert told.output.count("\\x1b]0;t\\x07") == 2
