@@ -95,7 +95,12 @@ def test_an_exactly_known_model_is_covered_as_often_as_it_says() -> None:
     members = mean[:, None] + 0.3 * stats.norm.ppf((np.arange(200) + 0.5) / 200)
     captured = mean + 0.3 * rng.normal(size=count)
     walks = pd.DataFrame({"walk": np.arange(count), "participant": np.arange(count) % people, "inside_hull": True})
-    forecasts = {"known": Forecast(members), "regression": Forecast(members + 0.2)}
+    far_m = np.full(len(members), 0.5)
+    forecasts = {
+        "known": Forecast(members, 0.6 * far_m),
+        "regression": Forecast(members + 0.2),
+        "quadratic log regression": Forecast(members + 0.2, far_m),
+    }
     rows = walk_scores(captured, forecasts, walks).assign(scenario="s")
     table = score_table(rows, rng, 500).query("hull == 'all'").set_index("model")
     for level in (50, 80, 90, 95):
@@ -106,6 +111,7 @@ def test_an_exactly_known_model_is_covered_as_often_as_it_says() -> None:
     assert table.loc["known", "bias_s_low"] < 0 < table.loc["known", "bias_s_high"]
     assert table.loc["regression", "bias_s_low"] > 0.15
     assert table.loc["known", "crps_minus_regression_s_high"] < 0
+    assert table.loc["known", "energy_minus_regression_m"] == pytest.approx(-0.2)
     assert table.loc["known", "pit_distance"] < 0.03 < table.loc["regression", "pit_distance"]
     shares = calibration_table(rows).query("model == 'known'")
     pit = shares.loc[shares["quantity"] == "pit", "value"]
@@ -120,9 +126,11 @@ def test_both_tables_state_the_same_coverage() -> None:
     members = rng.integers(0, 8, (300, 7)) / 2
     captured = rng.integers(0, 16, 300) / 4
     walks = pd.DataFrame({"walk": np.arange(300), "participant": np.arange(300) % 5, "inside_hull": True})
-    rows = walk_scores(captured, {"regression": Forecast(members)}, walks).assign(scenario="s")
+    rows = walk_scores(captured, {"regression": Forecast(members), "quadratic log regression": Forecast(members)}, walks).assign(
+        scenario="s"
+    )
     scores = score_table(rows, rng, 20).query("hull == 'all'").iloc[0]
-    curve = calibration_table(rows).query("quantity == 'coverage'").set_index("at")["value"]
+    curve = calibration_table(rows).query("quantity == 'coverage' and model == 'regression'").set_index("at")["value"]
     for level in (50, 80, 90, 95):
         assert curve[level / 100] == pytest.approx(scores[f"coverage_{level}"], abs=1e-9)
         low, high = (np.quantile(members, at, axis=1, method="hazen") for at in (0.5 - level / 200, 0.5 + level / 200))
