@@ -2,7 +2,7 @@
 
 import pandas as pd
 
-from walklab.evaluation.forecasts import GAUSSIAN_PROCESS, QUADRATIC_REGRESSION, TIMES_ALONE
+from walklab.evaluation.forecasts import FITTED, GAUSSIAN_PROCESS, QUADRATIC_REGRESSION
 from walklab.evaluation.paired_tests import STATED_EFFECT_S
 from walklab.evaluation.score_tables import information
 from walklab.evaluation.subject_scores import OWN_MAP
@@ -253,14 +253,7 @@ def replicated_findings(folder):
         means = part[(part["measure"] == "crps_s") & part["model"].isin(BASELINES)].set_index("model")["value"]
         best, words = str(means.idxmin()), str(scenario).replace("_", " ").capitalize()
         text = f"{words}: the best baseline by its mean CRPS is {best} ({means[best]:.3f} s)."
-        for model in (CALIBRATED, EXTENDED):
-            found = part[(part["measure"] == "crps_difference_s") & (part["model"] == model) & (part["against"] == best)]
-            for row in found.to_dict("records"):
-                verb = "wins" if row["high"] < 0 else "loses" if row["low"] > 0 else "differs by less than the interval"
-                text += (
-                    f" Against it {model} {verb}: {row['value']:+.3f} s [{row['low']:+.3f}, {row['high']:+.3f}],"
-                    f" less in {row['below_zero']} of {row['replicates']} populations."
-                )
+        text += _against_best(part, "crps_difference_s", best, "s", 3)
         told.append(text + _held_goal(folder, scenario))
         told += _replicated_trajectories(part, words)
     return bullets(told)
@@ -268,23 +261,27 @@ def replicated_findings(folder):
 
 def _replicated_trajectories(part, words):
     """The learned models' trajectories beside the best of those along the planned route, by energy score over populations."""
-    means = part[(part["measure"] == "energy_m") & part["model"].isin(TIMES_ALONE)].set_index("model")["value"]
-    means = means[[name for name in means.index if name in BASELINES]]
+    means = part[(part["measure"] == "energy_m") & part["model"].isin(FITTED)].set_index("model")["value"]
     if means.empty:
         return []
     best = str(means.idxmin())
     text = (
         f"{words}, trajectories: of the planned route, walked in a forecast time, that of {best} is best ({means[best]:.4f} m)."
     )
+    return [text + _against_best(part, "energy_difference_m", best, "m", 4)]
+
+
+def _against_best(part, measure, best, unit, digits):
+    """How the learned models stand to the best baseline by one measure, over populations."""
+    text = ""
     for model in (CALIBRATED, EXTENDED):
-        found = part[(part["measure"] == "energy_difference_m") & (part["model"] == model) & (part["against"] == best)]
+        found = part[(part["measure"] == measure) & (part["model"] == model) & (part["against"] == best)]
         for row in found.to_dict("records"):
             verb = "wins" if row["high"] < 0 else "loses" if row["low"] > 0 else "differs by less than the interval"
-            text += (
-                f" Against it {model} {verb}: {row['value']:+.4f} m [{row['low']:+.4f}, {row['high']:+.4f}],"
-                f" less in {row['below_zero']} of {row['replicates']} populations."
-            )
-    return [text]
+            value, low, high = (f"{row[name]:+.{digits}f}" for name in ("value", "low", "high"))
+            text += f" Against it {model} {verb}: {value} {unit} [{low}, {high}],"
+            text += f" less in {row['below_zero']} of {row['replicates']} populations."
+    return text
 
 
 def replicated_leans(folder):

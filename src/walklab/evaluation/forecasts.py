@@ -44,23 +44,16 @@ LOG_REGRESSION, QUADRATIC_REGRESSION = "log regression", "quadratic log regressi
 GAUSSIAN_PROCESS = "Gaussian process"
 REGRESSION_EARLIER, LOG_REGRESSION_EARLIER = "regression, earlier walks", "log regression, earlier walks"
 QUADRATIC_REGRESSION_EARLIER = "quadratic log regression, earlier walks"
-# What forecasts times alone; its trajectories are the planned route (:mod:`walklab.evaluation.route_forecasts`).
-TIMES_ALONE = (
-    CLIMATOLOGY,
-    REGRESSION,
-    QUANTILE_REGRESSION,
-    LOG_REGRESSION,
-    QUADRATIC_REGRESSION,
-    GAUSSIAN_PROCESS,
-    REGRESSION_EARLIER,
-    LOG_REGRESSION_EARLIER,
-    QUADRATIC_REGRESSION_EARLIER,
-)
+# What forecasts times alone, for somebody new and with that person's earlier walks; its trajectories are the planned route
+# (:mod:`walklab.evaluation.route_forecasts`).
+FITTED = (CLIMATOLOGY, REGRESSION, QUANTILE_REGRESSION, LOG_REGRESSION, QUADRATIC_REGRESSION, GAUSSIAN_PROCESS)
+FITTED_EARLIER = (REGRESSION_EARLIER, LOG_REGRESSION_EARLIER, QUADRATIC_REGRESSION_EARLIER)
+TIMES_ALONE = (*FITTED, *FITTED_EARLIER)
 
 INNER = 50  # quantiles of the density that its mixture with a pace is made of
 
 # What uses a person's earlier walks is compared with what uses them too.
-INFORMED = (EXTENDED_EARLIER, REGRESSION_EARLIER, LOG_REGRESSION_EARLIER, QUADRATIC_REGRESSION_EARLIER)
+INFORMED = (EXTENDED_EARLIER, *FITTED_EARLIER)
 
 
 @dataclass(frozen=True)

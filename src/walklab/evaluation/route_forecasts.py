@@ -13,7 +13,7 @@ from numba import njit
 from numpy.typing import NDArray
 
 from walklab.capture.walks import Walk
-from walklab.evaluation.tracing import captured_places, score_times
+from walklab.evaluation.tracing import compared_places
 from walklab.geometry import curves
 
 Array = NDArray[np.float64]
@@ -47,9 +47,7 @@ def route_energy(walks: Sequence[Walk], routes: Mapping[str, Array], members_s: 
     -------
     (W,) array, metres
     """
-    own = [np.asarray(routes[str(walk.row["walk"])], dtype=float) for walk in walks]
-    times_s = score_times(np.array([curves.length(route) for route in own]))
-    captured = captured_places(walks, times_s)
+    own, times_s, captured = compared_places(walks, routes)
     count = min(MEMBERS, members_s.shape[1])
     taken = np.sort(members_s, axis=1)[:, np.floor((np.arange(count) + 0.5) / count * members_s.shape[1]).astype(np.int64)]
     scores = np.empty(len(walks))

@@ -43,6 +43,13 @@ def captured_places(walks: Sequence[Walk], times_s: Array) -> Array:
     )
 
 
+def compared_places(walks: Sequence[Walk], routes: Mapping[str, Array]) -> tuple[list[Array], Array, Array]:
+    """The walks' own routes, the times (W, 8) at which trajectories on them are compared, and the captured places then."""
+    own = [np.asarray(routes[str(walk.row["walk"])], dtype=float) for walk in walks]
+    times_s = score_times(np.array([curves.length(route) for route in own]))
+    return own, times_s, captured_places(walks, times_s)
+
+
 def trace_walks(
     walks: Sequence[Walk],
     routes: Mapping[str, Array],
@@ -52,11 +59,10 @@ def trace_walks(
     time_limit_s: float,
 ) -> tuple[Traces, Array]:
     """Traces of every cell for the walks' tasks and routes, and the captured places at the same times."""
-    own = [np.asarray(routes[str(walk.row["walk"])], dtype=float) for walk in walks]
-    times_s = score_times(np.array([curves.length(route) for route in own]))
+    own, times_s, captured = compared_places(walks, routes)
     tasks = [task_of(walk.row) for walk in walks]
     traces = trace_cells(planner, own, tasks, space.cells, times_s, standing.standing_speed_m_s, time_limit_s)
-    return traces, captured_places(walks, times_s)
+    return traces, captured
 
 
 def drawn_energy(
@@ -76,9 +82,7 @@ def drawn_energy(
     -------
     (W,) array, metres
     """
-    own = [np.asarray(routes[str(walk.row["walk"])], dtype=float) for walk in walks]
-    times_s = score_times(np.array([curves.length(route) for route in own]))
-    captured = captured_places(walks, times_s)
+    own, times_s, captured = compared_places(walks, routes)
     scores = np.empty(len(walks))
     for row, walk in enumerate(walks):
         frames = np.rint(times_s[row] / planner.step_s).astype(np.int64)
